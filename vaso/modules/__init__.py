@@ -1,0 +1,1 @@
+"""Language-model modules (dspy.Module) that write skills and plans, and robot adapters."""

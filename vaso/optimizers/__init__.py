@@ -1,0 +1,1 @@
+"""Optimizers of skill texts behind one protocol."""

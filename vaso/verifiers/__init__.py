@@ -1,0 +1,1 @@
+"""Verifiers: model checkers and the direct lasso evaluator behind one protocol."""
