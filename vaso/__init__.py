@@ -32,7 +32,7 @@ _EXPORTS = {
     "check": "vaso.feasibility",
     "satisfiable": "vaso.feasibility",
     "TextualGradient": "vaso.gradient",
-    "gradient": "vaso.gradient",
+    "textual_gradient": "vaso.gradient",
     "optimize": "vaso.optimizers",
     "OptimizationResult": "vaso.optimizers",
     "VasoError": "vaso.errors",
@@ -43,7 +43,7 @@ __all__ = [*sorted(_EXPORTS), "__version__"]
 if TYPE_CHECKING:
     from vaso.errors import VasoError
     from vaso.feasibility import check, satisfiable
-    from vaso.gradient import TextualGradient, gradient
+    from vaso.gradient import TextualGradient, textual_gradient
     from vaso.optimizers import OptimizationResult, optimize
     from vaso.plan import Plan, TransitionSystem, compile_plan
     from vaso.platforms import Platform, get_platform
