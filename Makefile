@@ -1,0 +1,42 @@
+# VASO: `make` lists the targets, `make demo` is the shortest way from a clone to a checked skill.
+BIN := .venv/bin
+UV = $(shell command -v uv || echo .tools/bin/uv)
+SETUP_NEEDS := pyproject.toml uv.lock scripts/setup.sh $(wildcard third_party/pynusmv/*.*)
+
+.PHONY: help setup demo test test-slow lint format bench lock clean
+
+help: ## list the targets
+	@sed -n 's/^\([a-z-]*\):.*## /\1|/p' $(MAKEFILE_LIST) | awk -F'|' '{printf "  %-10s %s\n", $$1, $$2}'
+
+setup: .venv/.ready ## install everything into .venv (bootstraps uv, builds PyNuSMV once)
+
+.venv/.ready: $(SETUP_NEEDS)
+	@bash scripts/setup.sh
+	@touch $@
+
+demo: setup ## verify and optimize a skill, offline, in under a minute
+	@$(BIN)/vaso demo
+
+test: setup ## the fast tests
+	$(BIN)/pytest -n 2
+
+test-slow: setup ## the slow tests: long differential runs, builds, time-outs
+	$(BIN)/pytest -m slow
+
+lint: setup ## ruff, formatting, types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+format: setup ## rewrite files the way `make lint` wants them
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+bench: setup ## regenerate the benchmark tables
+	$(BIN)/vaso bench
+
+lock: ## resolve dependencies again after editing pyproject.toml
+	$(UV) lock
+
+clean: ## remove what was built here (the PyNuSMV build cache stays in ~/.cache/vaso)
+	rm -rf .venv .tools build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis
