@@ -1,0 +1,248 @@
+"""Explore every behaviour of a plan into a TransitionSystem (the paper's Algorithm 1, made total).
+
+The plan runs with every function of the labelling code as an external function; the labelling
+code runs in a session of its own with the platform's commands and sensors as external functions.
+Breadth-first: at a sensor read the exploration branches, at a command it closes a transition, and
+equal states are one state.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from vaso.ltl import Formula, propositions, variables
+from vaso.plan.labelling import Labelling
+from vaso.plan.labels import Labeller
+from vaso.plan.machine import Machine
+from vaso.plan.model import Plan
+from vaso.plan.source import prepare
+from vaso.plan.stepping import Config, Origin, Reader, Stepper, Turn
+from vaso.plan.trajectory import Histories
+from vaso.plan.transition_system import Cut, Edge, Sensor, State, TransitionSystem
+from vaso.platforms import Platform, get_platform
+from vaso.skill import Skill
+
+
+@dataclass(frozen=True, slots=True)
+class Budget:
+    """How far to explore.
+
+    Attributes:
+        states: Largest number of control states.
+        seconds: Longest wall time.
+    """
+
+    states: int = 5_000
+    seconds: float = 30.0
+
+
+def compile_plan(
+    plan: Plan | str,
+    skill: Skill,
+    *,
+    platform: str | Platform | None = None,
+    formulas: Sequence[Formula] = (),
+    budget: Budget | None = None,
+) -> TransitionSystem:
+    """Compile a plan into the transition system of all its behaviours.
+
+    Args:
+        plan: The plan, or its text.
+        skill: Supplies the labelling code.
+        platform: Overrides the skill's platform.
+        formulas: Formulas that will be checked besides the skill's own rules.
+        budget: Bounds of the exploration.
+
+    Returns:
+        A total system. Where exploration met a bound or an unsupported construct, ``cut`` says so.
+
+    Raises:
+        PlanError: The plan is not a program of this skill (syntax, undefined names, bad commands).
+        UnsupportedPlanError: It uses something that plans may not use.
+        LabellingError: The labelling code does not run or does not fit the platform.
+    """
+    plan = Plan(source=plan) if isinstance(plan, str) else plan
+    robot = get_platform(platform or skill.platform)
+    rules = [r.formula for r in (*skill.rules, *skill.assumptions)]
+    needed = {n for f in (*rules, *formulas) for n in (*propositions(f), *variables(f))}
+    with _Session(plan, skill, robot, needed) as session:
+        return _Exploration(session, budget or Budget()).run()
+
+
+class _Session:
+    """The sandboxed programs of one compilation, opened together and closed together."""
+
+    def __init__(self, plan: Plan, skill: Skill, robot: Platform, needed: set[str]) -> None:
+        self.plan = plan
+        self.robot = robot
+        source = skill.source or f"{skill.name}: labelling code"
+        # First only to learn which functions and constants there are; it starts no process.
+        draft = Labelling(
+            skill.labelling_code, robot, name=source, line=skill.labelling_line
+        )
+        known = {
+            *draft.functions,
+            *(c.name for c in robot.commands),
+            *(s.name for s in robot.sensors),
+        }
+        program = prepare(
+            plan.source,
+            name=plan.name,
+            known=known,
+            constants=draft.constants,
+            trajectory=robot.trajectory is not None,
+        )
+        self.labelling = Labelling(
+            skill.labelling_code,
+            robot,
+            rebinds=program.rebinds,
+            name=source,
+            line=skill.labelling_line,
+        )
+        self.machine = Machine([program.prelude, program.text])
+        self.clock = program.uses_clock or self.labelling.uses_clock
+        self.needed = needed
+        looks_back = any(f.parameters for f in draft.functions.values())
+        self.histories = Histories(keep=robot.trajectory is not None and looks_back)
+
+    def __enter__(self) -> _Session:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.machine.__exit__(*exc)
+        self.labelling.__exit__(*exc)
+
+
+class _Exploration:
+    """Breadth-first search over configurations."""
+
+    def __init__(self, session: _Session, budget: Budget) -> None:
+        self.session = session
+        self.budget = budget
+        self.labeller = Labeller(
+            session.labelling,
+            session.robot,
+            session.histories,
+            session.needed,
+            session.labelling.start(),
+        )
+        self.stepper = Stepper(
+            session.machine,
+            session.labelling,
+            session.robot,
+            name=session.plan.name,
+            actions=frozenset(self.labeller.actions),
+            clock=session.clock,
+            histories=session.histories,
+        )
+        self.sensors: dict[str, Sensor] = {}
+        self.index: dict[tuple[Hashable, ...], int] = {}
+        self.configs: list[Config] = []
+        self.depths: list[int] = []
+        self.states: list[State] = []
+        self.edges: list[tuple[Edge, ...]] = []
+        self.queue: deque[int] = deque()
+
+    def run(self) -> TransitionSystem:
+        """Explore until nothing is left or the budget is spent."""
+        deadline = time.monotonic() + self.budget.seconds
+        self._add(self.stepper.initial(), 0)
+        bound = ""
+        while self.queue and not bound:
+            number = self.queue.popleft()
+            self.edges[number] = self._expand(number)
+            if len(self.states) > self.budget.states:
+                bound = f"the bound of {self.budget.states} states was reached"
+            elif time.monotonic() > deadline:
+                bound = f"the bound of {self.budget.seconds:g} seconds was reached"
+        for number in self.queue:
+            self._close(number)
+        return self._system(bound)
+
+    def _add(self, config: Config, depth: int) -> int:
+        number = self.index.get(config.key)
+        if number is None:
+            number = self.index[config.key] = len(self.states)
+            self.configs.append(config)
+            self.depths.append(depth)
+            self.states.append(self._state(config))
+            self.edges.append(())
+            if config.turn is Turn.CUT:
+                self.edges[number] = (Edge({}, number),)
+            else:
+                self.queue.append(number)
+        return number
+
+    def _state(self, config: Config) -> State:
+        if config.turn is Turn.TRAJECTORY and config.track and config.track[1] == 1:
+            self._prefill(config)
+        fixed, observed = self.labeller.labels(config)
+        return State(
+            command=str(config.issued),
+            api=config.call,
+            line=config.line,
+            labels=fixed,
+            observed=observed,
+            note=config.note,
+            cut=config.turn is Turn.CUT,
+        )
+
+    def _prefill(self, config: Config) -> None:
+        """Label a trajectory at once, before its states are made one by one."""
+        here, histories = config, [config.history]
+        while here.turn is Turn.TRAJECTORY:
+            here = self.stepper.step(here, Reader({}))
+            if here.history != histories[-1]:
+                histories.append(here.history)
+        self.labeller.prefill(config, histories)
+
+    def _expand(self, number: int) -> tuple[Edge, ...]:
+        edges, todo = [], [{}]
+        config, depth = self.configs[number], self.depths[number] + 1
+        while todo:
+            reader = Reader(todo.pop())
+            after = self.stepper.step(config, reader)
+            todo += reader.alternatives
+            for name, domain in reader.domains.items():
+                self.sensors.setdefault(name, Sensor(name, tuple(domain)))
+            target = self._add(after, depth)
+            edges.append(Edge(reader.valuation, target, after.line, tuple(reader.reads)))
+        return tuple(edges)
+
+    def _close(self, number: int) -> None:
+        """Make an unexplored state a cut."""
+        self.states[number] = replace(self.states[number], cut=True)
+        self.edges[number] = (Edge({}, number),)
+
+    def _system(self, bound: str) -> TransitionSystem:
+        return TransitionSystem(
+            states=tuple(self.states),
+            edges=tuple(self.edges),
+            sensors=tuple((self.labeller.sensors | self.sensors).values()),
+            dt=self.session.robot.dt,
+            source=self.session.plan.source,
+            warnings=(*self.stepper.warnings, *self._remarks()),
+            cut=self._cut(bound),
+        )
+
+    def _cut(self, bound: str) -> Cut | None:
+        depths = [d for d, s in zip(self.depths, self.states, strict=True) if s.cut]
+        if not depths:
+            return None
+        reasons: list[Any] = sorted(self.stepper.cut_reasons, key=lambda r: r[2])
+        reason, line, supported = reasons[0] if reasons else (bound, None, True)
+        return Cut(reason, line, min(depths) - 1, supported)
+
+    def _remarks(self) -> list[str]:
+        direct = sorted({c.line for c in self.configs if c.origin is Origin.PLAN and c.line})
+        if not direct or self.session.robot.trajectory:
+            return []
+        lines = ", ".join(map(str, direct))
+        return [
+            f"line {lines} of the plan sends low-level commands past the labelling code; "
+            "the platform's own meaning of the propositions is used there"
+        ]

@@ -1,0 +1,286 @@
+"""The labelling code of a skill (L_sk) in its own sandbox session.
+
+The code runs once, then serves requests: call this function with these arguments. Its low-level
+commands and sensor reads stop it, so that exploration decides when a command takes effect and what
+a sensor says.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from vaso.errors import LabellingError, PlanError
+from vaso.plan.machine import Call, Continuation, Lookup, Machine, Raised, Throw
+from vaso.plan.source import PRELUDE, parse_python, uses_clock, without_aliases
+from vaso.plan.transition_system import Scalar
+from vaso.platforms import Issued, Platform
+
+NEXT, DONE, API = "__vaso_next__", "__vaso_done__", "__vaso_api__"
+CODE_FEED = 1
+_SERVE = "while True:\n    __vaso_turn__()\n"
+_TURN = f"""
+def __vaso_turn__():
+    request = {NEXT}()
+    {DONE}({API}[request[0]](*request[1], **request[2]))
+
+def __vaso_rows__(calls, trajectory):
+    rows = []
+    for i in range(1, len(trajectory) + 1):
+        row = []
+        for name, kinds in calls:
+            arguments = {{}}
+            for parameter, kind in kinds:
+                if kind == "history":
+                    arguments[parameter] = trajectory[:i]
+                elif kind == "current":
+                    arguments[parameter] = trajectory[i - 1]
+                else:
+                    arguments[parameter] = trajectory[max(i - 2, 0)]
+            row.append({API}[name](**arguments))
+        rows.append(row)
+    return rows
+"""
+
+Ask: TypeAlias = Callable[[str, Sequence[Scalar]], Scalar]
+"""Supplies a sensor's value: (canonical sensor name, domain) -> value."""
+
+
+@dataclass(frozen=True, slots=True)
+class Returned:
+    """A request is answered; ``at`` is ready for the next one."""
+
+    value: Any
+    at: Continuation
+
+
+@dataclass(frozen=True, slots=True)
+class Commanded:
+    """The code sends a low-level command and waits for the period to pass."""
+
+    issued: Issued
+    at: Continuation
+
+
+@dataclass(frozen=True, slots=True)
+class Slept:
+    """The code sleeps."""
+
+    seconds: float
+    at: Continuation
+
+
+@dataclass(frozen=True, slots=True)
+class Threw:
+    """The requested function raised; ``at`` is ready for the next request."""
+
+    error: str
+    message: str
+    line: int | None
+    at: Continuation
+
+
+Outcome: TypeAlias = Returned | Commanded | Slept | Threw
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """A function of the labelling code.
+
+    Attributes:
+        name: Its name.
+        parameters: (parameter, kind) for the parameters that the platform supplies, where kind is
+            ``history``, ``current`` or ``previous``; None if some parameter cannot be supplied.
+        unknown: Parameters without default that the platform cannot supply.
+        line: Where it is defined.
+    """
+
+    name: str
+    parameters: tuple[tuple[str, str], ...]
+    unknown: tuple[str, ...]
+    line: int
+
+    @property
+    def readable(self) -> bool:
+        """True when it can be called to read a proposition."""
+        return not self.unknown
+
+
+class Labelling:
+    """Runs a skill's labelling code. Use as a context manager.
+
+    Args:
+        code: The code.
+        platform: Supplies commands, sensors and the arguments of proposition functions.
+        rebinds: Constants that the plan sets.
+        name: How messages call the code.
+        line: Line of the skill file on which the code starts.
+    """
+
+    def __init__(
+        self,
+        code: str,
+        platform: Platform,
+        *,
+        rebinds: Mapping[str, object] | None = None,
+        name: str = "labelling code",
+        line: int = 1,
+    ) -> None:
+        self.platform = platform
+        self._name = name
+        self._offset = line - 1
+        try:
+            tree = parse_python(code, name)
+        except PlanError as error:
+            raise self.error(error.message, error.line) from error
+        self.functions = {
+            n.name: _function(n, platform) for n in tree.body if isinstance(n, ast.FunctionDef)
+        }
+        self.constants = _constants(tree)
+        self.uses_clock = uses_clock(tree)
+        self._machine = Machine(
+            [PRELUDE, without_aliases(code, tree), self._setup(rebinds or {}), _SERVE],
+            recovery=_SERVE,
+        )
+
+    def __enter__(self) -> Labelling:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self._machine.__exit__(*exc)
+
+    def _setup(self, rebinds: Mapping[str, object]) -> str:
+        sets = "".join(f"{name} = {value!r}\n" for name, value in rebinds.items())
+        table = ", ".join(f"{n!r}: {n}" for n in self.functions)
+        values = ", ".join(f"{'=' + n!r}: lambda: {n}" for n in self.constants)
+        extra = "'__vaso_rows__': __vaso_rows__"
+        return f"{sets}{_TURN}\n{API} = {{{', '.join(p for p in (table, values, extra) if p)}}}\n"
+
+    def start(self) -> Continuation:
+        """Run the code up to the first request.
+
+        Raises:
+            LabellingError: The code raises, or sends a command before anything is asked of it.
+        """
+        first = self._machine.start()
+        event = first.event
+        if isinstance(event, Call) and event.name == NEXT:
+            return first
+        if isinstance(event, Raised):
+            raise self.error(f"{event.error}: {event.message}", event.line_in(CODE_FEED))
+        if isinstance(event, Call):
+            raise self.error(f"'{event.name}' is called while the code is being loaded", event.line)
+        name = event.name if isinstance(event, Lookup) else "?"
+        raise self.error(
+            f"the name '{name}' is not defined", event.line if isinstance(event, Lookup) else None
+        )
+
+    def error(self, message: str, line: int | None) -> LabellingError:
+        """An error that points into the skill file."""
+        at = None if line is None else line + self._offset
+        return LabellingError(message, source=self._name, line=at)
+
+    def request(
+        self,
+        at: Continuation,
+        name: str,
+        args: Sequence[Any],
+        kwargs: Mapping[str, Any],
+        ask: Ask,
+        clock: float,
+    ) -> Outcome:
+        """Call a function of the code and run until it answers, or a period must pass."""
+        return self._drive(
+            self._machine.advance(at, (name, list(args), dict(kwargs))), ask, clock
+        )
+
+    def resume(self, at: Continuation, ask: Ask, clock: float) -> Outcome:
+        """Go on after the period of a command or a sleep has passed."""
+        return self._drive(self._machine.advance(at, None), ask, clock)
+
+    def abandon(self, at: Continuation, ask: Ask, clock: float) -> Continuation:
+        """Leave a function that waits for a period, keeping the state that it has set so far."""
+        outcome = self._drive(
+            self._machine.advance(at, Throw("RuntimeError", "labels are read")), ask, clock
+        )
+        return outcome.at
+
+    def _drive(self, at: Continuation, ask: Ask, clock: float) -> Outcome:
+        while True:
+            event = at.event
+            if isinstance(event, Raised):
+                return self._threw(event, at)
+            if isinstance(event, Lookup):
+                at = self._machine.advance(at, Throw("NameError", event.name))
+                continue
+            assert isinstance(event, Call)
+            if event.name == DONE:
+                return Returned(event.args[0], self._machine.advance(at, None))
+            step = self._step(event, at, ask, clock)
+            if not isinstance(step, Continuation):
+                return step
+            at = step
+
+    def _threw(self, event: Raised, at: Continuation) -> Threw:
+        if at.blob is None:
+            raise self.error(f"{event.error}: {event.message}", event.line_in(CODE_FEED))
+        return Threw(event.error, event.message, event.line_in(CODE_FEED), at)
+
+    def _step(self, event: Call, at: Continuation, ask: Ask, clock: float) -> Any:
+        sensor = self.platform.sensor(event.name)
+        command = self.platform.command(event.name)
+        try:
+            if sensor is not None:
+                value = ask(sensor.key(event.args, event.kwargs), sensor.domain)
+                return self._machine.advance(at, value)
+            if command is not None:
+                return Commanded(command.issue(event.args, event.kwargs), at)
+        except PlanError as error:
+            raise self.error(error.message, event.line) from error
+        if event.name == "time.sleep":
+            return Slept(float(event.args[0]), at)
+        if event.name == "time.time":
+            return self._machine.advance(at, clock)
+        raise self.error(f"the function '{event.name}' is not defined", event.line)
+
+
+def _function(node: ast.FunctionDef, platform: Platform) -> Function:
+    required = [*node.args.posonlyargs, *node.args.args]
+    optional = {a.arg for a in required[len(required) - len(node.args.defaults) :]}
+    kinds, unknown = [], []
+    for argument in required:
+        kind = _kind(argument.arg, platform)
+        if kind and argument.arg not in optional:
+            kinds.append((argument.arg, kind))
+        elif argument.arg not in optional:
+            unknown.append(argument.arg)
+    missing = zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True)
+    unknown += [a.arg for a, default in missing if default is None]
+    return Function(node.name, tuple(kinds), tuple(unknown), node.lineno)
+
+
+def _kind(parameter: str, platform: Platform) -> str | None:
+    for kind in ("history", "current", "previous"):
+        if parameter in getattr(platform, f"{kind}_names"):
+            return kind
+    return None
+
+
+def _constants(tree: ast.Module) -> dict[str, bool]:
+    """Module-level names with a value, and whether a function rebinds them."""
+    rebound = {n for node in ast.walk(tree) if isinstance(node, ast.Global) for n in node.names}
+    found: dict[str, bool] = {}
+    for node in tree.body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        targets = [node.target] if isinstance(node, ast.AnnAssign) and node.value else targets
+        for target in targets:
+            for name in ast.walk(target):
+                if isinstance(name, ast.Name) and not _alias(node):
+                    found[name.id] = name.id in rebound
+    return found
+
+
+def _alias(node: ast.stmt) -> bool:
+    return isinstance(getattr(node, "value", None), (ast.Subscript,))

@@ -1,0 +1,167 @@
+"""Canonical identity of a sandbox snapshot.
+
+A dump of the sandbox is a header and a CBOR document. Equal program states do not give equal
+bytes: call counters, garbage-collector bookkeeping, colours and the numbering of heap slots differ.
+:func:`state_key` removes what cannot influence behaviour and renumbers the heap in the order in
+which a traversal from the roots meets it. Two states with equal keys behave alike; two alike states
+may get different keys, which costs states and never soundness. For that reason anything whose shape
+is not known here switches the whole snapshot to its raw numbering.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import cbor2
+
+from vaso.errors import VerifierError
+
+MAGIC = b"MONTY\0"
+VERSION = b"\x0e\x00"
+"""Dump format of the pinned pydantic-monty; a test fails loudly when it changes."""
+
+_HEADER = len(MAGIC) + len(VERSION)
+
+# Heap entry tags whose payload holds references only in the form {"C": slot}.
+_PLAIN = frozenset(
+    "T L D E F S G K B U M X Q RangeIterator Range ExtFunction Partial Slice Module A "
+    "DataclassField".split()
+)
+# Heap entry tags with further references: payload key -> how the slot is written.
+_SLOTTED = {
+    "C": ("C", "list"),
+    "I": ("C", "int"),
+    "ListIterator": ("list", "int"),
+    "DictItemIterator": ("dict", "int"),
+    "DictKeyIterator": ("dict", "int"),
+    "DictValueIterator": ("dict", "int"),
+    "TupleIterator": ("source", "kind"),
+    "SetIterator": ("source", "kind"),
+    "StringIterator": ("source", "kind"),
+    "N": ("class_id", "int"),
+}
+_VOLATILE_HEAP = frozenset({"entries", "tracker", "allocations_since_gc", "purple_count"})
+
+
+class _UnknownShape(Exception):
+    """A part of the snapshot whose references cannot be told from numbers."""
+
+
+class KeyMaker:
+    """Computes keys for the snapshots of one program; remembers its constant part."""
+
+    def __init__(self) -> None:
+        self._tables: Any = None
+        self._tables_key = b""
+
+    def __call__(self, dump: bytes) -> bytes:
+        """The canonical key of a suspended snapshot.
+
+        Raises:
+            VerifierError: The dump is not in the format of the pinned sandbox version.
+        """
+        if dump[:_HEADER] != MAGIC + VERSION:
+            raise VerifierError(
+                "the sandbox writes snapshots in a format this version of VASO does not know",
+                hint="install the pinned version of pydantic-monty (uv sync)",
+            )
+        kind, call = _only(_only(cbor2.loads(dump[_HEADER:])["state"])[1])
+        snapshot = call["snapshot"]
+        heap = snapshot["repl"]["heap"]
+        roots = _roots(kind, call, snapshot)
+        try:
+            body = _Traversal(heap["entries"]).run(roots)
+        except _UnknownShape:
+            body = [roots, [_raw(e) for e in heap["entries"]]]
+        rest = {k: v for k, v in heap.items() if k not in _VOLATILE_HEAP}
+        text = cbor2.dumps([body, rest, self._constant(snapshot)])
+        return hashlib.blake2b(text, digest_size=16).digest()
+
+    def _constant(self, snapshot: dict[str, Any]) -> bytes:
+        """Key of the code tables, which hardly ever change between snapshots of one program."""
+        program = {k: v for k, v in snapshot["executor"].items() if k != "heap_capacity"}
+        tables = [program, snapshot["repl"]["interns"], snapshot["repl"]["globals"]]
+        if tables != self._tables:
+            self._tables = tables
+            self._tables_key = hashlib.blake2b(cbor2.dumps(tables), digest_size=16).digest()
+        return self._tables_key
+
+
+def _only(mapping: dict[str, Any]) -> tuple[str, Any]:
+    ((key, value),) = mapping.items()
+    return key, value
+
+
+def _roots(kind: str, call: dict[str, Any], snapshot: dict[str, Any]) -> list[Any]:
+    machine = dict(snapshot["vm_state"])
+    scheduler = {k: v for k, v in machine.pop("scheduler").items() if k != "next_call_id"}
+    pending = {k: v for k, v in call.items() if k not in ("snapshot", "call_id")}
+    return [kind, pending, machine, scheduler]
+
+
+def _raw(entry: Any) -> Any:
+    return None if entry is None else entry["D"]
+
+
+class _Traversal:
+    """Visits the heap from the roots and gives slots numbers in order of the visit."""
+
+    def __init__(self, entries: list[Any]) -> None:
+        self.entries = entries
+        self.number: dict[int, int] = {}
+        self.queue: list[int] = []
+
+    def run(self, roots: list[Any]) -> list[Any]:
+        if any(frame.get("N") is not None for frame in roots[2]["frames"]):
+            raise _UnknownShape
+        shape = [self.value(roots)]
+        while len(shape) <= len(self.queue):
+            shape.append(self.entry(self.entries[self.queue[len(shape) - 1]]))
+        unseen = [
+            (slot, _raw(e))
+            for slot, e in enumerate(self.entries)
+            if e is not None and slot not in self.number and slot != 0
+        ]
+        return [shape, unseen]
+
+    def reference(self, slot: int) -> list[Any]:
+        if slot not in self.number:
+            self.number[slot] = len(self.number)
+            self.queue.append(slot)
+        return ["ref", self.number[slot]]
+
+    def value(self, item: Any) -> Any:
+        if isinstance(item, dict):
+            if len(item) == 1 and isinstance(item.get("C"), int):
+                return self.reference(item["C"])
+            if "H" in item and "V" in item:
+                item = {k: v for k, v in item.items() if k != "H"}
+            return {k: self.value(v) for k, v in item.items()}
+        if isinstance(item, list):
+            return [self.value(v) for v in item]
+        return item
+
+    def entry(self, entry: dict[str, Any]) -> Any:
+        tag, payload = _only(entry["D"])
+        if tag in _PLAIN:
+            if tag == "X" and payload.get("data") != "None":
+                raise _UnknownShape
+            if tag == "U" and payload.get("G") is not None:
+                raise _UnknownShape
+            return [tag, self.value(payload)]
+        if tag not in _SLOTTED:
+            raise _UnknownShape
+        return [tag, self.slotted(payload, *_SLOTTED[tag])]
+
+    def slotted(self, payload: dict[str, Any], key: str, form: str) -> list[Any]:
+        if payload.get("G") is not None:
+            raise _UnknownShape
+        slots = payload[key]
+        rest = self.value({k: v for k, v in payload.items() if k != key})
+        if form == "list":
+            return [rest, [self.reference(s) for s in slots]]
+        if form == "int":
+            return [rest, self.reference(slots)]
+        kind, slot = _only(slots)
+        return [rest, kind, slot if kind == "Intern" else self.reference(slot)]

@@ -1,0 +1,357 @@
+"""Prepare a plan's text for the sandbox: check it, find its entry point, keep its line numbers.
+
+The text is changed only where the sandbox or the meaning of a plan asks for it, and never by a
+line: type aliases such as ``Velocity = Tuple[float, float, float]`` and imports of the skill's own
+functions become ``pass``; what must be added goes before the text (another text) or after its last
+line.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import difflib
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+
+from vaso.errors import PlanError, UnsupportedPlanError
+
+MODULES = frozenset(
+    "math time typing typing_extensions dataclasses collections itertools functools "
+    "json re datetime __future__ string statistics operator copy".split()
+)
+"""Modules that a plan may import."""
+
+_TYPING = frozenset(
+    "List Tuple Dict Set Optional Union Callable Sequence Iterable Iterator Literal Mapping Any "
+    "Type list tuple dict set frozenset type".split()
+)
+PRELUDE = "import math\nimport time\n"
+"""Models use math and time without importing them; both are in scope."""
+
+MARKS = "__vaso_marks__"
+FOUND = "__vaso_trajectory__"
+_MARKER = f"""
+{MARKS} = {{}}
+def __vaso_mark__(name, value, line):
+    if isinstance(value, list):
+        {MARKS}[(name, len(value))] = line
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """A plan that is ready to run.
+
+    Attributes:
+        prelude: Text that runs before the plan, in the same namespace.
+        text: The plan, with the same lines as its source.
+        rebinds: Constants of the labelling code that the plan sets, with their values.
+        uses_clock: True when the plan may read the time.
+    """
+
+    prelude: str
+    text: str
+    rebinds: Mapping[str, object]
+    uses_clock: bool
+
+
+def prepare(
+    source: str,
+    *,
+    name: str = "plan",
+    known: Collection[str],
+    constants: Collection[str] = (),
+    trajectory: bool = False,
+) -> Program:
+    """Check a plan and make it ready for the sandbox.
+
+    Args:
+        source: The plan's text.
+        name: How messages call it.
+        known: Functions that the plan may call without defining them.
+        constants: Module-level constants of the labelling code.
+        trajectory: True when the plan may leave a list of set-points instead of calling commands.
+
+    Raises:
+        PlanError: A syntax error, or a name that nothing defines.
+        UnsupportedPlanError: An import or a construct that exploration does not cover.
+    """
+    tree = parse_python(source, name)
+    _check_imports(tree, name, known)
+    _check_names(tree, name, {*known, *constants})
+    edits = [*_alias_edits(tree), *_import_edits(tree, known)]
+    tail = _entry_call(tree, name, known)
+    if trajectory:
+        edits += _marks(tree)
+        tail += _collect(tree, tail)
+    prelude = PRELUDE + (_MARKER if trajectory else "")
+    body = _apply(source, edits).rstrip("\n")
+    return Program(
+        prelude=prelude,
+        text=f"{body}\n{tail}",
+        rebinds=_rebinds(tree, constants),
+        uses_clock=uses_clock(tree),
+    )
+
+
+def parse_python(source: str, name: str, error: type[PlanError] = PlanError) -> ast.Module:
+    """Parse Python text.
+
+    Raises:
+        PlanError: It is not Python; the message carries line, column and the offending text.
+    """
+    try:
+        return ast.parse(source)
+    except SyntaxError as wrong:
+        text = (wrong.text or "").strip()
+        raise error(
+            f"not valid Python: {wrong.msg}" + (f": {text}" if text else ""),
+            source=name,
+            line=wrong.lineno,
+            column=wrong.offset,
+        ) from wrong
+    except (ValueError, RecursionError, MemoryError) as wrong:
+        raise error(f"not valid Python: {wrong or 'nested too deeply'}", source=name) from wrong
+
+
+def uses_clock(tree: ast.AST) -> bool:
+    """True when a program may read the time (sleeping alone does not count)."""
+    clocks = {"time", "monotonic", "perf_counter", "time_ns", "monotonic_ns", "perf_counter_ns", "now"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and node.attr in clocks:
+            return True
+        if isinstance(node, ast.ImportFrom) and node.module in ("time", "datetime"):
+            return True
+    return False
+
+
+def without_aliases(source: str, tree: ast.AST) -> str:
+    """The text with type aliases replaced by ``pass``."""
+    return _apply(source, list(_alias_edits(tree)))
+
+
+# --- checks ------------------------------------------------------------------------------------
+
+
+def _check_imports(tree: ast.AST, name: str, known: Collection[str]) -> None:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and _imports_own_functions(node, known):
+            continue
+        for module in _imported(node):
+            if module.split(".")[0] not in MODULES:
+                raise UnsupportedPlanError(
+                    f"the plan imports '{module}', which is not available to plans",
+                    source=name,
+                    line=getattr(node, "lineno", None),
+                    expected=f"one of {', '.join(sorted(MODULES - {'__future__'}))}",
+                    hint="a plan calls the skill's functions directly, without importing them",
+                )
+
+
+def _imported(node: ast.AST) -> list[str]:
+    if isinstance(node, ast.Import):
+        return [a.name for a in node.names]
+    if isinstance(node, ast.ImportFrom):
+        return [node.module or "."]
+    return []
+
+
+def _imports_own_functions(node: ast.ImportFrom, known: Collection[str]) -> bool:
+    if (node.module or "").split(".")[0] in MODULES:
+        return False
+    return all(a.name == "*" or a.name in known for a in node.names)
+
+
+def _check_names(tree: ast.AST, name: str, known: Collection[str]) -> None:
+    defined = {*known, *_bound(tree), *dir(builtins), "__name__", "math", "time"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id not in defined:
+            near = difflib.get_close_matches(node.id, sorted(defined), 1)
+            called = node.id in {c.func.id for c in _calls(tree)}
+            raise PlanError(
+                f"{'the function ' if called else ''}'{node.id}' is not defined",
+                source=name,
+                line=node.lineno,
+                column=node.col_offset + 1,
+                expected=f"a name of the plan, or one of {', '.join(sorted(known))}",
+                hint=f"did you mean '{near[0]}'?" if near else None,
+            )
+
+
+def _calls(tree: ast.AST) -> Iterator[ast.Call]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
+            yield node
+
+
+def _bound(tree: ast.AST) -> set[str]:
+    """Every name that the program binds anywhere."""
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+            names.add(node.id)
+        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            names.add(node.name)
+        elif isinstance(node, ast.arg):
+            names.add(node.arg)
+        elif isinstance(node, (ast.Import, ast.ImportFrom)):
+            names.update((a.asname or a.name).split(".")[0] for a in node.names)
+        elif isinstance(node, ast.ExceptHandler) and node.name:
+            names.add(node.name)
+        elif isinstance(node, (ast.MatchAs, ast.MatchStar)) and node.name:
+            names.add(node.name)
+    return names
+
+
+# --- entry point -------------------------------------------------------------------------------
+
+
+def _entry_call(tree: ast.Module, name: str, known: Collection[str]) -> str:
+    """A call of the entry function, for a module that only defines functions."""
+    functions = [n for n in tree.body if isinstance(n, ast.FunctionDef)]
+    rest = [n for n in tree.body if not isinstance(n, (ast.FunctionDef, ast.ClassDef))]
+    if not functions or any(_acts(n, {f.name for f in functions} | set(known)) for n in rest):
+        return ""
+    if any(_builds_list(n) for n in rest):
+        return ""
+    entry = next((f for f in reversed(functions) if f.name in _ENTRIES), functions[-1])
+    needed = len(entry.args.posonlyargs + entry.args.args) - len(entry.args.defaults)
+    if needed > 0 or None in entry.args.kw_defaults:
+        raise PlanError(
+            f"the plan's entry function '{entry.name}' needs arguments",
+            source=name,
+            line=entry.lineno,
+            expected="an entry function whose parameters all have defaults, or a script",
+        )
+    return f"__vaso_value__ = {entry.name}()\n"
+
+
+_ENTRIES = ("main", "plan", "run", "execute", "execute_plan", "run_plan")
+
+
+def _acts(node: ast.stmt, functions: Collection[str]) -> bool:
+    """True for a top-level statement that does something: calls a function, loops, branches."""
+    if isinstance(node, (ast.For, ast.While, ast.If, ast.Try, ast.With, ast.Match)):
+        return True
+    return any(c.func.id in functions for c in _calls(node) if isinstance(c.func, ast.Name))
+
+
+def _builds_list(node: ast.stmt) -> bool:
+    if isinstance(node, ast.AugAssign):
+        return True
+    value = getattr(node, "value", None)
+    if isinstance(node, (ast.Assign, ast.AnnAssign)):
+        return isinstance(value, (ast.List, ast.BinOp, ast.ListComp))
+    return isinstance(node, ast.Expr) and isinstance(value, (ast.Call, ast.List, ast.Name))
+
+
+# --- trajectories ------------------------------------------------------------------------------
+
+
+def _marks(tree: ast.AST) -> Iterator[tuple[int, int, int, int, str]]:
+    """Record after each statement that grows a list how long it is, so elements have lines."""
+    for node in ast.walk(tree):
+        target = _grown(node)
+        if target and isinstance(node, ast.stmt):
+            end_line, end = node.end_lineno or node.lineno, node.end_col_offset or 0
+            code = f"; __vaso_mark__({target!r}, {target}, {node.lineno})"
+            yield end_line, end, end_line, end, code
+
+
+def _grown(node: ast.AST) -> str | None:
+    if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
+        return node.target.id
+    if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
+        return node.target.id
+    if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+        return node.targets[0].id if len(node.targets) == 1 else None
+    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+        function = node.value.func
+        if isinstance(function, ast.Attribute) and function.attr in ("append", "extend", "insert"):
+            return function.value.id if isinstance(function.value, ast.Name) else None
+    return None
+
+
+def _collect(tree: ast.Module, tail: str) -> str:
+    """Hand every list that the plan may mean as its trajectory to the host, likeliest first."""
+    names: list[str] = []
+    for node in tree.body:
+        for name in _assigned(node):
+            names = [name, *(n for n in names if n != name)]
+    last = tree.body[-1] if tree.body else None
+    lines = [f"{FOUND}_list = []"]
+    if tail:
+        names.insert(0, "__vaso_value__")
+    elif isinstance(last, ast.Expr) and isinstance(last.value, ast.Name):
+        names = [last.value.id, *(n for n in names if n != last.value.id)]
+    for name in names:
+        lines += [
+            "try:",
+            f"    if isinstance({name}, (list, tuple)): {FOUND}_list.append(({name!r}, {name}))",
+            "except NameError: pass",
+        ]
+    return "\n".join([*lines, f"{FOUND}({FOUND}_list, list({MARKS}.items()))", ""])
+
+
+def _assigned(node: ast.stmt) -> Iterator[str]:
+    for inner in ast.walk(node):
+        if isinstance(inner, (ast.FunctionDef, ast.ClassDef)):
+            return
+        name = _grown(inner)
+        if name:
+            yield name
+
+
+# --- text edits --------------------------------------------------------------------------------
+
+
+def _alias_edits(tree: ast.AST) -> Iterator[tuple[int, int, int, int, str]]:
+    for node in ast.walk(tree):
+        value = node.value if isinstance(node, (ast.Assign, ast.AnnAssign)) else None
+        if value is not None and isinstance(node, ast.stmt) and _is_type(value):
+            yield _span(node, "pass")
+
+
+def _is_type(node: ast.AST) -> bool:
+    if isinstance(node, ast.Subscript):
+        base = node.value.attr if isinstance(node.value, ast.Attribute) else None
+        base = node.value.id if isinstance(node.value, ast.Name) else base
+        return base in _TYPING
+    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitOr) and (
+        _is_type(node.left) or _is_type(node.right)
+    )
+
+
+def _import_edits(
+    tree: ast.AST, known: Collection[str]
+) -> Iterator[tuple[int, int, int, int, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and _imports_own_functions(node, known):
+            yield _span(node, "pass")
+
+
+def _span(node: ast.stmt, text: str) -> tuple[int, int, int, int, str]:
+    """Replace a statement, keeping the number of lines (a bracketed remainder becomes blank)."""
+    return node.lineno, node.col_offset, node.end_lineno or 0, node.end_col_offset or 0, text
+
+
+def _apply(source: str, edits: list[tuple[int, int, int, int, str]]) -> str:
+    """Apply edits given as (line, byte column, end line, end byte column, text), last one first."""
+    lines = [line.encode() for line in source.split("\n")]
+    for line, column, end_line, end_column, text in sorted(edits, reverse=True):
+        head, tail = lines[line - 1][:column], lines[end_line - 1][end_column:]
+        lines[line - 1] = head + text.encode() + tail
+        lines[line:end_line] = [b""] * (end_line - line)
+    return b"\n".join(lines).decode()
+
+
+def _rebinds(tree: ast.Module, constants: Collection[str]) -> dict[str, object]:
+    """Constants of the labelling code that the plan sets at its top level, by literal value."""
+    found: dict[str, object] = {}
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            name = node.targets[0].id
+            if name in constants and isinstance(node.value, ast.Constant):
+                found[name] = node.value.value
+    return found

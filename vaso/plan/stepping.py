@@ -1,0 +1,423 @@
+"""One step of a plan: from a control state and sensor readings to the next command in force.
+
+Meaning of a step: sensor reads in state t decide the command of state t+1; a sleep repeats the
+command; a plan that ends leaves its last command in force for ever.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any
+
+from vaso.errors import PlanError, UnsupportedPlanError
+from vaso.plan.labelling import Commanded, Labelling, Outcome, Returned, Slept, Threw
+from vaso.plan.machine import Call, Continuation, Finished, Lookup, Machine, Raised, Stub, Throw
+from vaso.plan.source import FOUND
+from vaso.plan.trajectory import Histories, choose_track
+from vaso.plan.transition_system import Scalar
+from vaso.platforms import Issued, Platform
+
+EPOCH = 1024.0
+"""The virtual clock's first value; not 0, because plans test ``if not start_time``."""
+
+PLAN_FEED = 1
+READS_PER_STEP = 1_000
+# Errors where the sandbox may differ from CPython, or that mean the text is not a program.
+_BROKEN = frozenset(
+    "NotImplementedError AttributeError TypeError NameError ImportError ModuleNotFoundError "
+    "SyntaxError MemoryError RecursionError SandboxCrash".split()
+)
+
+
+class Turn(StrEnum):
+    """Who acts next."""
+
+    POLL = "poll"
+    REPLY = "reply"
+    LABELLING = "labelling"
+    TRAJECTORY = "trajectory"
+    END = "end"
+    CUT = "cut"
+
+
+class Origin(StrEnum):
+    """How the command in force was issued."""
+
+    REST = "rest"
+    API = "api"
+    HELPER = "helper"
+    PLAN = "plan"
+    TRAJECTORY = "trajectory"
+
+
+@dataclass(frozen=True)
+class Config:
+    """A control state of the product of plan, labelling code and platform.
+
+    Attributes:
+        plan: Where the plan has stopped; None for one that has ended.
+        lab: Where the labelling code has stopped.
+        turn: Who acts next.
+        reply: What the plan's pending call will return.
+        waits: Further states in which the command stays in force (a sleep).
+        issued: The low-level command in force.
+        origin: How it was issued.
+        api: The function that the plan called for it.
+        call: That call as text.
+        world: State of the platform's dynamics.
+        history: Number of the set-point history (trajectory platforms).
+        tick: Number of periods since the start, where the plan may read the clock; else 0.
+        track: Which trajectory is flown, and the index of the next element.
+        moved: True once a command was issued.
+        line: Plan line that issued the command.
+        note: Remark for the reader.
+    """
+
+    plan: Continuation | None
+    lab: Continuation
+    turn: Turn
+    issued: Issued
+    world: Hashable
+    reply: Any = None
+    waits: int = 0
+    origin: Origin = Origin.REST
+    api: str = ""
+    call: str = ""
+    history: int = 0
+    tick: int = 0
+    track: tuple[int, int] | None = None
+    moved: bool = False
+    line: int | None = None
+    note: str = ""
+
+    @property
+    def key(self) -> tuple[Hashable, ...]:
+        """Identity: two configurations with equal keys behave alike and have equal labels."""
+        return (
+            self.plan.key if self.plan else None,
+            self.lab.key,
+            self.turn,
+            repr(self.reply),
+            self.waits,
+            self.issued,
+            self.origin,
+            self.api,
+            self.world,
+            self.history,
+            self.tick,
+            self.track,
+            self.moved,
+        )
+
+
+class Reader:
+    """Answers sensor reads from a partial valuation, and notes the choices it had to make."""
+
+    def __init__(self, valuation: dict[str, Scalar]) -> None:
+        self.valuation = valuation
+        self.alternatives: list[dict[str, Scalar]] = []
+        self.domains: dict[str, Sequence[Scalar]] = {}
+        self.reads: list[tuple[str, int | None]] = []
+
+    def ask(self, sensor: str, domain: Sequence[Scalar]) -> Scalar:
+        """The sensor's value in this state; the first of its domain if it is still open."""
+        self.domains[sensor] = domain
+        if sensor not in self.valuation:
+            self.alternatives += [{**self.valuation, sensor: v} for v in domain[1:]]
+            self.valuation = {**self.valuation, sensor: domain[0]}
+        return self.valuation[sensor]
+
+
+class _LaterError(Exception):
+    """Labelling code reads a sensor after its command: that read belongs to the next state."""
+
+
+def _later(sensor: str, domain: Sequence[Scalar]) -> Scalar:
+    raise _LaterError
+
+
+class Stepper:
+    """Takes steps of one plan under one labelling code on one platform."""
+
+    def __init__(
+        self,
+        machine: Machine,
+        labelling: Labelling,
+        platform: Platform,
+        *,
+        name: str,
+        actions: frozenset[str],
+        clock: bool,
+        histories: Histories,
+    ) -> None:
+        self.machine = machine
+        self.labelling = labelling
+        self.platform = platform
+        self.name = name
+        self.actions = actions
+        self.clock = clock
+        self.histories = histories
+        self.warnings: dict[str, None] = {}
+        self.cut_reasons: list[tuple[str, int | None, bool]] = []
+
+    def initial(self) -> Config:
+        """At rest, before the plan's first line."""
+        return Config(
+            plan=self.machine.start(),
+            lab=self.labelling.start(),
+            turn=Turn.POLL,
+            issued=self.platform.rest,
+            world=self.platform.dynamics.initial(),
+            history=self.histories.start(self.platform.rest),
+        )
+
+    def step(self, here: Config, reader: Reader) -> Config:
+        """The next configuration under the reader's sensor values.
+
+        Raises:
+            PlanError: The plan issues a bad command or calls something undefined.
+            LabellingError: The labelling code fails.
+        """
+        if here.waits:
+            return self._hold(here, waits=here.waits - 1)
+        if here.turn in (Turn.END, Turn.CUT):
+            return self._hold(here)
+        if here.turn is Turn.TRAJECTORY:
+            return self._element(here)
+        if here.turn is Turn.LABELLING:
+            outcome = self.labelling.resume(here.lab, reader.ask, self._now(here))
+            return self._after(outcome, here, reader, here.plan, here.api, here.call, here.line)
+        assert here.plan is not None
+        if here.turn is Turn.REPLY:
+            return self._run(self.machine.advance(here.plan, here.reply), here.lab, here, reader)
+        return self._run(here.plan, here.lab, here, reader)
+
+    # --- the plan ------------------------------------------------------------------------------
+
+    def _run(self, at: Continuation, lab: Continuation, here: Config, reader: Reader) -> Config:
+        """Run the plan until a period must pass."""
+        seen: set[tuple[bytes, bytes]] = set()
+        while True:
+            event = at.event
+            if isinstance(event, Finished):
+                return self._hold(here, plan=None, lab=lab, turn=Turn.END, note="the plan has ended")
+            if isinstance(event, Raised):
+                return self._crash(event, here, lab)
+            if isinstance(event, Lookup):
+                at = self.machine.advance(at, self._lookup(event, lab, reader, here))
+                continue
+            if (at.key, lab.key) in seen or len(seen) > READS_PER_STEP:
+                # Busy waiting: the plan reads on without a command, so the period passes.
+                return self._hold(here, plan=at, lab=lab, turn=Turn.POLL, note="the plan waits")
+            seen.add((at.key, lab.key))
+            result = self._call(event, at, lab, here, reader)
+            if isinstance(result, Config):
+                return result
+            at, lab = result
+
+    def _call(
+        self, event: Call, at: Continuation, lab: Continuation, here: Config, reader: Reader
+    ) -> Config | tuple[Continuation, Continuation]:
+        """Answer one call of the plan; a configuration if a period passes because of it."""
+        if event.name in self.labelling.functions:
+            reader.reads.append((event.name, event.line))
+            outcome = self.labelling.request(
+                lab, event.name, event.args, event.kwargs, reader.ask, self._now(here)
+            )
+            return self._after(
+                outcome, here, reader, at, event.name, _show(event), event.line, nested=True
+            )
+        if sensor := self.platform.sensor(event.name):
+            key = self._checked(event, lambda: sensor.key(event.args, event.kwargs))
+            reader.reads.append((key, event.line))
+            return self.machine.advance(at, reader.ask(key, sensor.domain)), lab
+        if command := self.platform.command(event.name):
+            issued = self._checked(event, lambda: command.issue(event.args, event.kwargs))
+            return self._issue(
+                here, issued, plan=at, lab=lab, turn=Turn.REPLY, reply=None, api="",
+                origin=Origin.PLAN, call=_show(event), line=event.line,
+            )  # fmt: skip
+        if event.name == "time.sleep":
+            periods = self._periods(event)
+            if periods <= 0:
+                return self.machine.advance(at, None), lab
+            return self._hold(
+                here, plan=at, lab=lab, turn=Turn.REPLY, reply=None, waits=periods - 1
+            )
+        if event.name == "time.time":
+            return self.machine.advance(at, self._now(here)), lab
+        if event.name == FOUND:
+            return self._fly(event, at, lab, here)
+        raise self._unknown(event)
+
+    def _after(
+        self,
+        outcome: Outcome,
+        here: Config,
+        reader: Reader,
+        plan: Continuation | None,
+        api: str,
+        call: str,
+        line: int | None,
+        nested: bool = False,
+    ) -> Any:
+        """Go on after the labelling code has returned, raised, sent a command, or slept."""
+        assert plan is not None
+        if isinstance(outcome, Commanded):
+            origin = Origin.API if api in self.actions else Origin.HELPER
+            after = self._finish(outcome, here)
+            return self._issue(
+                here, outcome.issued, plan=plan, api=api, call=call, line=line, origin=origin,
+                **after,
+            )  # fmt: skip
+        if isinstance(outcome, Slept):
+            waits = max(0, self._count(outcome.seconds) - 1)
+            return self._hold(
+                here, plan=plan, lab=outcome.at, turn=Turn.LABELLING, waits=waits, api=api, line=line
+            )
+        reply = outcome.value if isinstance(outcome, Returned) else _throw(outcome)
+        at = self.machine.advance(plan, reply)
+        return (at, outcome.at) if nested else self._run(at, outcome.at, here, reader)
+
+    def _finish(self, outcome: Commanded, here: Config) -> dict[str, Any]:
+        """What remains after a command: usually the function just returns to the plan."""
+        try:
+            end = self.labelling.resume(outcome.at, _later, self._now(here, 1))
+        except _LaterError:
+            end = None
+        if isinstance(end, Returned):
+            return {"turn": Turn.REPLY, "reply": end.value, "lab": end.at}
+        if isinstance(end, Threw):
+            return {"turn": Turn.REPLY, "reply": _throw(end), "lab": end.at}
+        return {"turn": Turn.LABELLING, "reply": None, "lab": outcome.at}
+
+    # --- what a period does --------------------------------------------------------------------
+
+    def _issue(self, here: Config, issued: Issued, **changes: Any) -> Config:
+        world = self.platform.dynamics.step(here.world, issued)
+        same = world == here.world and issued == here.issued
+        history = here.history if same else self.histories.extend(here.history, issued)
+        usual = {"tick": self._tick(here), "waits": 0, "moved": True, "note": ""}
+        return replace(
+            here, issued=issued, world=world, history=history, **{**usual, **changes}
+        )
+
+    def _hold(self, here: Config, **changes: Any) -> Config:
+        """The command in force stays in force for another period."""
+        kept = {"moved": here.moved, "waits": 0, **changes}
+        if kept.get("turn", here.turn) in (Turn.END, Turn.CUT):
+            kept = {"note": here.note, **kept, "tick": 0, "reply": None}
+        return self._issue(here, here.issued, **kept)
+
+    def _element(self, here: Config) -> Config:
+        """The next set-point of a trajectory."""
+        assert here.track is not None
+        track, index = here.track
+        elements = self.histories.tracks[track]
+        issued, line = elements[index]
+        last = index + 1 == len(elements)
+        return self._issue(
+            here, issued, line=line, origin=Origin.TRAJECTORY, api="",
+            call=str(issued), plan=None,
+            turn=Turn.END if last else Turn.TRAJECTORY,
+            track=None if last else (track, index + 1),
+            note="the trajectory's last set-point" if last else "",
+        )  # fmt: skip
+
+    def _fly(self, event: Call, at: Continuation, lab: Continuation, here: Config) -> Any:
+        """Start the trajectory that the plan has built, unless it has sent commands itself."""
+        lists, marks = event.args
+        track = None if here.moved else choose_track(lists, marks, self.platform, self.name)
+        if track is None:
+            return self.machine.advance(at, None), lab
+        number = self.histories.add_track(track)
+        return self._element(replace(here, lab=lab, track=(number, 0)))
+
+    # --- helpers -------------------------------------------------------------------------------
+
+    def _lookup(self, event: Lookup, lab: Continuation, reader: Reader, here: Config) -> Any:
+        constants = self.labelling.constants
+        if event.name in constants:
+            if constants[event.name]:
+                raise UnsupportedPlanError(
+                    f"the plan reads '{event.name}', a variable that the labelling code changes",
+                    source=self.name,
+                    line=event.line,
+                    hint="call the proposition's function instead",
+                )
+            outcome = self.labelling.request(
+                lab, f"={event.name}", (), {}, reader.ask, self._now(here)
+            )
+            return outcome.value if isinstance(outcome, Returned) else Throw("NameError", event.name)
+        known = self.platform.sensor(event.name) or self.platform.command(event.name)
+        if known or event.name in self.labelling.functions:
+            return Stub(event.name)
+        raise PlanError(
+            f"the name '{event.name}' is not defined", source=self.name, line=event.line
+        )
+
+    def _crash(self, event: Raised, here: Config, lab: Continuation) -> Config:
+        line = event.line_in(PLAN_FEED)
+        what = f"the plan ends with {event.error}: {event.message}"
+        if event.error == "TimeoutError":
+            what = f"the plan computes for longer than allowed without a command ({event.message})"
+            return self._cut(what, line, True, here, lab)
+        if event.error in _BROKEN:
+            return self._cut(what, line, False, here, lab)
+        at = f"line {line}: " if line else ""
+        self.warnings[f"{at}{what}; the last command stays in force"] = None
+        return self._hold(here, plan=None, lab=lab, turn=Turn.END, note=f"the plan has ended: {event.error}")
+
+    def _cut(
+        self, reason: str, line: int | None, supported: bool, here: Config, lab: Continuation
+    ) -> Config:
+        self.cut_reasons.append((reason, line, supported))
+        return self._hold(here, plan=None, lab=lab, turn=Turn.CUT, note=reason)
+
+    def _checked(self, event: Call, run: Any) -> Any:
+        try:
+            return run()
+        except PlanError as error:
+            raise PlanError(
+                error.message, source=self.name, line=event.line, expected=error.expected
+            ) from error
+
+    def _unknown(self, event: Call) -> PlanError:
+        if event.is_os:
+            target = ", ".join(map(str, event.args))
+            return UnsupportedPlanError(
+                f"the plan uses '{event.name}' ({target}), which plans may not do",
+                source=self.name,
+                line=event.line,
+                hint="a plan only calls the skill's functions, computes and sleeps",
+            )
+        return PlanError(
+            f"the function '{event.name}' is not defined", source=self.name, line=event.line
+        )
+
+    def _now(self, here: Config, ahead: int = 0) -> float:
+        return EPOCH + round((here.tick + ahead) * self.platform.dt, 9)
+
+    def _tick(self, here: Config) -> int:
+        return here.tick + 1 if self.clock else 0
+
+    def _periods(self, event: Call) -> int:
+        seconds = event.args[0] if event.args else 0.0
+        return self._count(float(seconds))
+
+    def _count(self, seconds: float) -> int:
+        if not math.isfinite(seconds):
+            raise PlanError(f"time.sleep({seconds}) never ends", source=self.name)
+        return math.ceil(round(seconds / self.platform.dt, 6))
+
+
+def _throw(outcome: Any) -> Throw:
+    return Throw(outcome.error, outcome.message)
+
+
+def _show(event: Call) -> str:
+    args = [repr(a) for a in event.args] + [f"{k}={v!r}" for k, v in event.kwargs.items()]
+    return f"{event.name}({', '.join(args)})"
