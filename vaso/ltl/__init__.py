@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from vaso.ltl.english import to_english
 from vaso.ltl.normal import is_syntactically_safe, nnf, simplify
 from vaso.ltl.numbers import compare, value_of
+from vaso.ltl.nusmv import to_nusmv
 from vaso.ltl.parser import ParsedFormula, parse, parse_with_warnings
+from vaso.ltl.phrases import Clause
 from vaso.ltl.semantics import Step, evaluate, holds
 from vaso.ltl.syntax import (
     FALSE,
@@ -44,6 +47,7 @@ from vaso.ltl.traverse import (
     substitute,
     variables,
 )
+from vaso.ltl.unicode import to_unicode
 
 __all__ = [
     "FALSE",
@@ -51,6 +55,7 @@ __all__ = [
     "Arithmetic",
     "Atom",
     "Binary",
+    "Clause",
     "Comparison",
     "Constant",
     "Formula",
@@ -89,7 +94,10 @@ __all__ = [
     "subformulas",
     "substitute",
     "to_bracketed",
+    "to_english",
+    "to_nusmv",
     "to_text",
+    "to_unicode",
     "value_of",
     "variables",
 ]

@@ -25,9 +25,9 @@ from vaso.ltl.syntax import (
 )
 from vaso.ltl.traverse import fold, rebuild, subformulas
 
-__all__ = ["is_syntactically_safe", "nnf", "simplify"]
+__all__ = ["DUAL_BINARY", "DUAL_UNARY", "is_syntactically_safe", "nnf", "simplify"]
 
-_DUAL_UNARY: Mapping[UnaryOp, UnaryOp] = {
+DUAL_UNARY: Mapping[UnaryOp, UnaryOp] = {
     "X": "X",
     "F": "G",
     "G": "F",
@@ -36,7 +36,7 @@ _DUAL_UNARY: Mapping[UnaryOp, UnaryOp] = {
     "O": "H",
     "H": "O",
 }
-_DUAL_BINARY: Mapping[BinaryOp, BinaryOp] = {
+DUAL_BINARY: Mapping[BinaryOp, BinaryOp] = {
     "&": "|",
     "|": "&",
     "U": "V",
@@ -78,7 +78,7 @@ def _nnf_pair(formula: Formula, parts: tuple[_Pair, ...]) -> _Pair:
         case Unary("!", _):
             return _Pair(parts[0].no, parts[0].yes)
         case Unary(op, _):
-            return _Pair(Unary(op, parts[0].yes), Unary(_DUAL_UNARY[op], parts[0].no))
+            return _Pair(Unary(op, parts[0].yes), Unary(DUAL_UNARY[op], parts[0].no))
         case Binary(op, _, _):
             return _nnf_binary(op, *parts)
     return _Pair(formula, negate(formula))
@@ -94,7 +94,7 @@ def _nnf_binary(op: BinaryOp, a: _Pair, b: _Pair) -> _Pair:
             return _Pair(_either(a, b, same=False), _either(a, b, same=True))
         case "W":
             return _Pair(Binary("W", a.yes, b.yes), Binary("U", b.no, Binary("&", a.no, b.no)))
-    return _Pair(Binary(op, a.yes, b.yes), Binary(_DUAL_BINARY[op], a.no, b.no))
+    return _Pair(Binary(op, a.yes, b.yes), Binary(DUAL_BINARY[op], a.no, b.no))
 
 
 def _either(a: _Pair, b: _Pair, *, same: bool) -> Formula:
