@@ -1,0 +1,228 @@
+"""Deciding conjunctions of formulas with a model checker, and shrinking those that conflict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from vaso.feasibility.universal import Universe, components
+from vaso.feasibility.witness import Witness
+from vaso.ltl import (
+    Binary,
+    Constant,
+    Formula,
+    Unary,
+    conjunction,
+    negate,
+    simplify,
+)
+from vaso.ltl.nusmv import to_nusmv
+from vaso.verifiers.engine import SMVAnswer, SMVEngine, SMVTrace
+
+__all__ = ["Core", "Outcome", "Search"]
+
+MAX_ROUNDS = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The answer for a conjunction.
+
+    Attributes:
+        sat: True, False or None (not decided).
+        witness: For True, where it could be re-evaluated.
+        reason: Why it is not decided, or why there is no witness.
+        conflict: For False: indices of formulas that conflict already without the others.
+    """
+
+    sat: bool | None
+    witness: Witness | None = None
+    reason: str = ""
+    conflict: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """A conflicting subset.
+
+    Attributes:
+        indices: Indices of the formulas, ascending.
+        minimal: True when it is known that no proper part of it conflicts.
+        reason: Why that is not known.
+    """
+
+    indices: tuple[int, ...]
+    minimal: bool = True
+    reason: str = ""
+
+
+class Search:
+    """Decides conjunctions within one time limit, each only once.
+
+    Args:
+        exclusions: Groups of propositions of which at most one holds in any step.
+        timeout: Seconds for everything that is asked of this object.
+        engine: The model checker; PyNuSMV by default.
+    """
+
+    def __init__(
+        self,
+        *,
+        exclusions: Iterable[Iterable[str]] = (),
+        timeout: float = 10.0,
+        engine: SMVEngine | None = None,
+    ) -> None:
+        self._exclusions = [tuple(group) for group in exclusions]
+        self._deadline = time.monotonic() + timeout
+        self._engine = engine or _default_engine()
+        self._known: dict[frozenset[Formula], Outcome] = {}
+
+    def decide(self, formulas: Sequence[Formula]) -> Outcome:
+        """Decide whether some behaviour satisfies all the formulas.
+
+        Raises:
+            FormulaError: A name is used both as a truth value and as a number.
+        """
+        Universe.of(formulas, self._exclusions)
+        pieces = [(i, p) for i, f in enumerate(formulas) for p in _pieces(simplify(f))]
+        universe = Universe.of([p for _, p in pieces], self._exclusions)
+        outcomes = []
+        for group in components([p for _, p in pieces], universe):
+            outcome = self._group([pieces[k][1] for k in group])
+            if outcome.sat is False:
+                return replace(outcome, conflict=tuple(sorted({pieces[k][0] for k in group})))
+            outcomes.append(outcome)
+        return _joined(outcomes, formulas)
+
+    def core(
+        self,
+        formulas: Sequence[Formula],
+        *,
+        order: Iterable[int] = (),
+        fixed: Sequence[Formula] = (),
+    ) -> Core:
+        """Shrink a conflicting conjunction by leaving out one formula after the other.
+
+        Args:
+            formulas: Formulas that conflict, together with ``fixed``.
+            order: Indices in the order in which to try to leave them out; the others stay.
+            fixed: Formulas that always stay, and are not part of the answer.
+        """
+        kept = self._conflicting(formulas, list(range(len(formulas))), fixed)
+        undecided = 0
+        for index in order:
+            if index not in kept:
+                continue
+            rest = [i for i in kept if i != index]
+            outcome = self.decide([*(formulas[i] for i in rest), *fixed])
+            if outcome.sat is False:
+                kept = self._conflicting(formulas, rest, fixed)
+            undecided += outcome.sat is None
+        reason = "the conflicting subset may not be the smallest: out of time" if undecided else ""
+        return Core(tuple(kept), not undecided, reason)
+
+    def _conflicting(
+        self, formulas: Sequence[Formula], kept: list[int], fixed: Sequence[Formula]
+    ) -> list[int]:
+        outcome = self.decide([*(formulas[i] for i in kept), *fixed])
+        return [kept[k] for k in outcome.conflict if k < len(kept)]
+
+    def _group(self, formulas: Sequence[Formula]) -> Outcome:
+        key = frozenset(formulas)
+        if key not in self._known or self._known[key].sat is None:
+            self._known[key] = self._solve(formulas)
+        return self._known[key]
+
+    def _solve(self, formulas: Sequence[Formula]) -> Outcome:
+        universe = Universe.of(formulas, self._exclusions)
+        for _ in range(MAX_ROUNDS):
+            goal = simplify(conjunction([universe.encode(f) for f in formulas]))
+            if isinstance(goal, Constant):
+                return Outcome(goal.value, Witness(({},), 0) if goal.value else None)
+            outcome, universe = self._attempt(universe, goal, formulas)
+            if outcome is not None:
+                return outcome
+        return Outcome(None, reason="the comparisons have too many combinations")
+
+    def _attempt(
+        self, universe: Universe, goal: Formula, formulas: Sequence[Formula]
+    ) -> tuple[Outcome | None, Universe]:
+        """Ask once; a counterexample with impossible numbers only refines the universe."""
+        left = self._deadline - time.monotonic()
+        if left <= 0:
+            return Outcome(None, reason="out of time"), universe
+        answer = _ask(self._engine, universe.smv(), goal, left)
+        if answer.holds is not False:
+            return Outcome(None if answer.holds is None else False, reason=answer.reason), universe
+        if answer.trace is None:
+            return Outcome(
+                True if universe.exact else None, reason="no witness was given"
+            ), universe
+        witness = _decoded(universe, answer.trace)
+        if isinstance(witness, Universe):
+            return None, witness
+        return _confirmed(witness, formulas, universe), universe
+
+
+def _ask(engine: SMVEngine, model: str, goal: Formula, timeout: float) -> SMVAnswer:
+    spec = to_nusmv(negate(goal), lambda name: name)
+    return engine.check(model, [spec], timeout=timeout, traces=True)[0]
+
+
+def _decoded(universe: Universe, trace: SMVTrace) -> Witness | Universe:
+    """The witness in the terms of the formulas, or a universe without its impossible numbers."""
+    steps = []
+    for step in trace.steps:
+        values = {name: text == "TRUE" for name, text in step.values.items()}
+        decoded = universe.decode(values)
+        if decoded is None:
+            return universe.blocking(universe.conflict(universe.regions(values)))
+        steps.append(decoded)
+    return Witness(tuple(steps), trace.loop_start)
+
+
+def _confirmed(witness: Witness, formulas: Sequence[Formula], universe: Universe) -> Outcome:
+    full = witness.covering(formulas)
+    if full.satisfies(formulas):
+        return Outcome(True, full)
+    if universe.linear:
+        return Outcome(None, reason="the witness does not stand up to evaluation")
+    return Outcome(None, reason="products or quotients of numbers are not decided")
+
+
+def _joined(outcomes: Sequence[Outcome], formulas: Sequence[Formula]) -> Outcome:
+    undecided = next((o for o in outcomes if o.sat is None), None)
+    if undecided is not None:
+        return undecided
+    witness: Witness | None = Witness(({},), 0)
+    for outcome in outcomes:
+        both = witness is not None and outcome.witness is not None
+        witness = witness.beside(outcome.witness) if both else None  # type: ignore[union-attr,arg-type]
+    if witness is None:
+        return Outcome(True, reason="the witness is too long to show")
+    full = witness.covering(formulas)
+    if not full.satisfies(formulas):
+        return Outcome(None, reason="the witness does not stand up to evaluation")
+    return Outcome(True, full)
+
+
+def _pieces(formula: Formula) -> Iterator[Formula]:
+    """Conjuncts, also those under ``G``, so that independent parts are decided apart."""
+    match formula:
+        case Constant(True):
+            return
+        case Binary("&", left, right):
+            yield from _pieces(left)
+            yield from _pieces(right)
+        case Unary("G", Binary("&", left, right)):
+            yield from _pieces(Unary("G", left))
+            yield from _pieces(Unary("G", right))
+        case _:
+            yield formula
+
+
+def _default_engine() -> SMVEngine:
+    from vaso.verifiers.pynusmv_engine import PyNuSMVEngine
+
+    return PyNuSMVEngine()
