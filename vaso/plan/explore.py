@@ -135,6 +135,7 @@ class _Exploration:
             session.labelling,
             session.robot,
             name=session.plan.name,
+            source=session.plan.source,
             actions=frozenset(self.labeller.actions),
             clock=session.clock,
             histories=session.histories,

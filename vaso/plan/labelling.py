@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 
 from vaso.errors import LabellingError, PlanError
 from vaso.plan.machine import Call, Continuation, Lookup, Machine, Raised, Throw
-from vaso.plan.source import PRELUDE, parse_python, uses_clock, without_aliases
+from vaso.plan.source import PRELUDE, locate, parse_python, uses_clock, without_aliases
 from vaso.plan.transition_system import Scalar
 from vaso.platforms import Issued, Platform
 
@@ -129,6 +129,7 @@ class Labelling:
         line: int = 1,
     ) -> None:
         self.platform = platform
+        self._code = code
         self._name = name
         self._offset = line - 1
         try:
@@ -226,7 +227,8 @@ class Labelling:
     def _threw(self, event: Raised, at: Continuation) -> Threw:
         if at.blob is None:
             raise self.error(f"{event.error}: {event.message}", event.line_in(CODE_FEED))
-        return Threw(event.error, event.message, event.line_in(CODE_FEED), at)
+        line = locate(self._code, event.message, event.line_in(CODE_FEED))
+        return Threw(event.error, event.message, line, at)
 
     def _step(self, event: Call, at: Continuation, ask: Ask, clock: float) -> Any:
         sensor = self.platform.sensor(event.name)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import ast
 import builtins
 import difflib
+import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
@@ -31,7 +32,9 @@ PRELUDE = "import math\nimport time\n"
 
 MARKS = "__vaso_marks__"
 FOUND = "__vaso_trajectory__"
+VALUE = "__vaso_value__"
 _MARKER = f"""
+{VALUE} = None
 {MARKS} = {{}}
 def __vaso_mark__(name, value, line):
     if isinstance(value, list):
@@ -83,8 +86,8 @@ def prepare(
     edits = [*_alias_edits(tree), *_import_edits(tree, known)]
     tail = _entry_call(tree, name, known)
     if trajectory:
-        edits += _marks(tree)
-        tail += _collect(tree, tail)
+        edits += [*_marks(tree), *_last_value(tree, tail)]
+        tail += _collect(tree)
     prelude = PRELUDE + (_MARKER if trajectory else "")
     body = _apply(source, edits).rstrip("\n")
     return Program(
@@ -113,6 +116,25 @@ def parse_python(source: str, name: str, error: type[PlanError] = PlanError) -> 
         ) from wrong
     except (ValueError, RecursionError, MemoryError) as wrong:
         raise error(f"not valid Python: {wrong or 'nested too deeply'}", source=name) from wrong
+
+
+def locate(source: str, message: str, line: int | None) -> int | None:
+    """The line of an error about a local variable; the sandbox reports the line before it.
+
+    Args:
+        source: The text that raised.
+        message: The error's message; only "cannot access local variable 'z'" is looked at.
+        line: The line that the sandbox reported.
+    """
+    found = re.search(r"local variable '(\w+)'", message)
+    if found is None or line is None:
+        return line
+    lines = sorted(
+        n.lineno
+        for n in ast.walk(ast.parse(source))
+        if isinstance(n, ast.Name) and n.id == found[1] and n.lineno >= line
+    )
+    return lines[0] if lines else line
 
 
 def uses_clock(tree: ast.AST) -> bool:
@@ -224,7 +246,7 @@ def _entry_call(tree: ast.Module, name: str, known: Collection[str]) -> str:
             line=entry.lineno,
             expected="an entry function whose parameters all have defaults, or a script",
         )
-    return f"__vaso_value__ = {entry.name}()\n"
+    return f"{VALUE} = {entry.name}()\n"
 
 
 _ENTRIES = ("main", "plan", "run", "execute", "execute_plan", "run_plan")
@@ -260,6 +282,9 @@ def _marks(tree: ast.AST) -> Iterator[tuple[int, int, int, int, str]]:
 
 
 def _grown(node: ast.AST) -> str | None:
+    value = getattr(node, "value", None)
+    if value is not None and _is_type(value):
+        return None
     if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
         return node.target.id
     if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
@@ -273,19 +298,21 @@ def _grown(node: ast.AST) -> str | None:
     return None
 
 
-def _collect(tree: ast.Module, tail: str) -> str:
+def _last_value(tree: ast.Module, tail: str) -> Iterator[tuple[int, int, int, int, str]]:
+    """Keep the value of a last line that is an expression, as a notebook would show it."""
+    last = tree.body[-1] if tree.body else None
+    if isinstance(last, ast.Expr) and not tail:
+        yield last.lineno, last.col_offset, last.lineno, last.col_offset, f"{VALUE} = "
+
+
+def _collect(tree: ast.Module) -> str:
     """Hand every list that the plan may mean as its trajectory to the host, likeliest first."""
     names: list[str] = []
     for node in tree.body:
         for name in _assigned(node):
             names = [name, *(n for n in names if n != name)]
-    last = tree.body[-1] if tree.body else None
     lines = [f"{FOUND}_list = []"]
-    if tail:
-        names.insert(0, "__vaso_value__")
-    elif isinstance(last, ast.Expr) and isinstance(last.value, ast.Name):
-        names = [last.value.id, *(n for n in names if n != last.value.id)]
-    for name in names:
+    for name in [VALUE, *names]:
         lines += [
             "try:",
             f"    if isinstance({name}, (list, tuple)): {FOUND}_list.append(({name!r}, {name}))",
@@ -307,10 +334,16 @@ def _assigned(node: ast.stmt) -> Iterator[str]:
 
 
 def _alias_edits(tree: ast.AST) -> Iterator[tuple[int, int, int, int, str]]:
+    """Type aliases become ``pass``; annotations of variables go (the sandbox evaluates them)."""
     for node in ast.walk(tree):
-        value = node.value if isinstance(node, (ast.Assign, ast.AnnAssign)) else None
-        if value is not None and isinstance(node, ast.stmt) and _is_type(value):
+        if not isinstance(node, (ast.Assign, ast.AnnAssign)):
+            continue
+        if node.value is None or _is_type(node.value):
             yield _span(node, "pass")
+        elif isinstance(node, ast.AnnAssign):
+            target, note = node.target, node.annotation
+            start = (target.end_lineno or 0, target.end_col_offset or 0)
+            yield *start, note.end_lineno or 0, note.end_col_offset or 0, ""
 
 
 def _is_type(node: ast.AST) -> bool:

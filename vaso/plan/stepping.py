@@ -15,7 +15,7 @@ from typing import Any
 from vaso.errors import PlanError, UnsupportedPlanError
 from vaso.plan.labelling import Commanded, Labelling, Outcome, Returned, Slept, Threw
 from vaso.plan.machine import Call, Continuation, Finished, Lookup, Machine, Raised, Stub, Throw
-from vaso.plan.source import FOUND
+from vaso.plan.source import FOUND, locate
 from vaso.plan.trajectory import Histories, choose_track
 from vaso.plan.transition_system import Scalar
 from vaso.platforms import Issued, Platform
@@ -25,6 +25,9 @@ EPOCH = 1024.0
 
 PLAN_FEED = 1
 READS_PER_STEP = 1_000
+SETTLING = 500
+"""Periods after a plan's end in which the platform must come to rest (or repeat a state)."""
+
 # Errors where the sandbox may differ from CPython, or that mean the text is not a program.
 _BROKEN = frozenset(
     "NotImplementedError AttributeError TypeError NameError ImportError ModuleNotFoundError "
@@ -74,6 +77,7 @@ class Config:
         moved: True once a command was issued.
         line: Plan line that issued the command.
         note: Remark for the reader.
+        settling: Periods since the plan's end.
     """
 
     plan: Continuation | None
@@ -92,6 +96,7 @@ class Config:
     moved: bool = False
     line: int | None = None
     note: str = ""
+    settling: int = 0
 
     @property
     def key(self) -> tuple[Hashable, ...]:
@@ -149,6 +154,7 @@ class Stepper:
         platform: Platform,
         *,
         name: str,
+        source: str,
         actions: frozenset[str],
         clock: bool,
         histories: Histories,
@@ -157,6 +163,7 @@ class Stepper:
         self.labelling = labelling
         self.platform = platform
         self.name = name
+        self.source = source
         self.actions = actions
         self.clock = clock
         self.histories = histories
@@ -183,8 +190,11 @@ class Stepper:
         """
         if here.waits:
             return self._hold(here, waits=here.waits - 1)
+        if here.turn is Turn.END and here.settling >= SETTLING:
+            reason = "the last command goes on for ever and the platform does not come to rest"
+            return self._cut(reason, here.line, True, here, here.lab)
         if here.turn in (Turn.END, Turn.CUT):
-            return self._hold(here)
+            return self._hold(here, settling=here.settling + 1)
         if here.turn is Turn.TRAJECTORY:
             return self._element(here)
         if here.turn is Turn.LABELLING:
@@ -360,7 +370,7 @@ class Stepper:
         )
 
     def _crash(self, event: Raised, here: Config, lab: Continuation) -> Config:
-        line = event.line_in(PLAN_FEED)
+        line = locate(self.source, event.message, event.line_in(PLAN_FEED))
         what = f"the plan ends with {event.error}: {event.message}"
         if event.error == "TimeoutError":
             what = f"the plan computes for longer than allowed without a command ({event.message})"

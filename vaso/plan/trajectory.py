@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from vaso.errors import PlanError
+from vaso.plan.source import VALUE
 from vaso.platforms import Issued, Platform
 from vaso.platforms.model import Value
 
@@ -106,7 +107,7 @@ class _Lines:
 
     def __init__(self, variable: str, marks: Sequence[Any]) -> None:
         own = [(length, line) for (name, length), line in marks if name == variable]
-        if not own or variable == "__vaso_value__":
+        if not own or variable == VALUE:
             own = [(length, line) for (_, length), line in marks]
         self._marks = sorted(own)
 
