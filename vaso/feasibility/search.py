@@ -156,9 +156,8 @@ class Search:
         if answer.holds is not False:
             return Outcome(None if answer.holds is None else False, reason=answer.reason), universe
         if answer.trace is None:
-            return Outcome(
-                True if universe.exact else None, reason="no witness was given"
-            ), universe
+            known = True if universe.exact else None
+            return Outcome(known, reason=answer.reason or "no witness was given"), universe
         witness = _decoded(universe, answer.trace)
         if isinstance(witness, Universe):
             return None, witness
@@ -200,7 +199,8 @@ def _joined(outcomes: Sequence[Outcome], formulas: Sequence[Formula]) -> Outcome
         both = witness is not None and outcome.witness is not None
         witness = witness.beside(outcome.witness) if both else None  # type: ignore[union-attr,arg-type]
     if witness is None:
-        return Outcome(True, reason="the witness is too long to show")
+        missing = next((o.reason for o in outcomes if o.witness is None), "")
+        return Outcome(True, reason=missing or "the witness is too long to show")
     full = witness.covering(formulas)
     if not full.satisfies(formulas):
         return Outcome(None, reason="the witness does not stand up to evaluation")
