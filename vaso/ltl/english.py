@@ -160,7 +160,8 @@ class _Speaker:
                 step = "the next step" if count == 1 else f"{count} steps later"
                 return self._always_from(f"from {step} on", inner)
             case Unary("F", inner):
-                return self._dated(f"{count} or more steps later", inner)
+                step = "in the next step" if count == 1 else f"{count} steps later"
+                return self._dated(f"{step} or after that", inner)
         flat = self._flat(operand)
         if flat and count == 1 and flat.startswith("the command "):
             return _Said(flat.replace("the command", "the next command", 1), _Form.SIMPLE)

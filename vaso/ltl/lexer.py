@@ -70,11 +70,12 @@ _QUOTES = {
 _PREFIX = re.compile(r"\s*(?:LTLSPEC|ltlspec)\b(?:\s+NAME\s+\w+\s*:=)?")
 
 
-def tokenize(text: str) -> Tokens:
+def tokenize(text: str, *, limited: bool = True) -> Tokens:
     """Split the text of a formula into the terminals of the grammar.
 
     Args:
         text: The formula as it was written.
+        limited: Whether to refuse long texts and deep brackets.
 
     Returns:
         The tokens, and warnings about spellings that may not mean what they seem to.
@@ -82,7 +83,7 @@ def tokenize(text: str) -> Tokens:
     Raises:
         Problem: The text is too long, has an unknown character or unbalanced brackets.
     """
-    if len(text) > MAX_LENGTH:
+    if limited and len(text) > MAX_LENGTH:
         raise Problem(
             f"this formula has {len(text):,} characters",
             0,
@@ -91,7 +92,7 @@ def tokenize(text: str) -> Tokens:
     first, last = _bounds(text)
     scanner = _Scanner(text, first, last)
     raw = list(scanner.scan())
-    _check_brackets(text, raw)
+    _check_brackets(text, raw, MAX_BRACKETS if limited else len(text))
     tokens = list(_join_names(text, list(_classify(text, raw))))
     return Tokens(tokens, scanner.warnings + _hyphen_warnings(text, tokens))
 
@@ -205,17 +206,17 @@ def _letter(text: str, start: int) -> Spelling:
     )
 
 
-def _check_brackets(text: str, tokens: list[Token]) -> None:
+def _check_brackets(text: str, tokens: list[Token], deepest: int) -> None:
     """Raise a problem that points at the bracket which has no partner."""
     opened: list[Token] = []
     for token in tokens:
         if token.type == "LPAR":
             opened.append(token)
-            if len(opened) > MAX_BRACKETS:
+            if len(opened) > deepest:
                 raise Problem(
                     "the brackets of this formula are nested too deeply",
                     token.start,
-                    expected=f"at most {MAX_BRACKETS} levels of brackets",
+                    expected=f"at most {deepest} levels of brackets",
                 )
         elif token.type == "RPAR":
             found = text[token.start]

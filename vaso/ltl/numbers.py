@@ -85,7 +85,10 @@ def _number(name: str, step: Mapping[str, bool | float]) -> float:
     value = step[name]
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise FormulaError(f"{name} has the value {value!r}", expected="a number")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise FormulaError(f"the value of {name} is too large", expected="a number") from None
 
 
 def _finite(term: Term, comparison: Comparison, step: Mapping[str, bool | float]) -> float:

@@ -100,7 +100,7 @@ def restore(kind: str, text: str) -> Formula | Term:
         text: Its canonical text.
     """
     if kind not in ("Number", "Variable", "Arithmetic"):
-        return _parse_tokens(text, tokenize(text).tokens).formula()
+        return _parse_tokens(text, tokenize(text, limited=False).tokens).formula()
     comparison = restore("Comparison", f"{text} == 0")
     assert isinstance(comparison, Comparison)
     return comparison.left

@@ -143,8 +143,18 @@ def size(formula: Formula) -> int:
 
 
 def depth(formula: Formula) -> int:
-    """Return the length of the longest chain of nested operators; 0 for an atom."""
-    return fold(formula, lambda node, depths: 1 + max(depths) if depths else 0)
+    """Return the length of the longest chain of nested operators, arithmetic included."""
+
+    def combine(node: Formula, depths: tuple[int, ...]) -> int:
+        if isinstance(node, Comparison):
+            return max(_term_depth(node.left), _term_depth(node.right))
+        return 1 + max(depths) if depths else 0
+
+    return fold(formula, combine)
+
+
+def _term_depth(term: Term) -> int:
+    return fold_term(term, lambda _, depths: 1 + max(depths) if depths else 0)
 
 
 def is_temporal(formula: Formula) -> bool:
