@@ -1,0 +1,44 @@
+"""A language model with scripted replies that goes through the real dspy adapters."""
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import dspy
+import pytest
+from dspy.utils import DummyLM
+
+from vaso.skill import Rule, Skill
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from vaso_scripts import LABELLING, TEMPLATE
+
+PEOPLE_RULE = "G(people_observed -> X stop)"
+
+
+@pytest.fixture
+def scripted() -> Callable[..., Any]:
+    """Use a model that gives these replies, one a call; each is the value of one output field."""
+
+    def use(field: str, *replies: str) -> DummyLM:
+        lm = DummyLM([{field: text} for text in replies])
+        dspy.configure(lm=lm)
+        return lm
+
+    before = dspy.settings.lm
+    yield use
+    dspy.configure(lm=before)
+
+
+@pytest.fixture
+def skill() -> Skill:
+    return Skill(
+        name="drive",
+        description="Drive ahead.",
+        global_rules=(Rule(text=PEOPLE_RULE),),
+        local_rules=(Rule(text="G(!people_observed -> X forward)", role="local"),),
+        labelling_code=LABELLING,
+        plan_template=TEMPLATE,
+    )

@@ -1,0 +1,71 @@
+import pytest
+
+from vaso.plan.transition_system import Edge, State, TransitionSystem
+from vaso.report.automaton import condense, guard_text
+from vaso.report.graph import automaton_svg
+
+P, O = "yolo_listener('people')", "yolo_listener('obstacle')"  # noqa: E741
+
+
+def state(api: str, line: int | None = None, **more: object) -> State:
+    return State(command=api, api=api, line=line, **more)  # type: ignore[arg-type]
+
+
+def climb(length: int) -> TransitionSystem:
+    states = (state(""), *(state("up()", 2) for _ in range(length)), state("stop()", 3))
+    last = length + 1
+    edges = tuple((Edge({}, min(i + 1, last)),) for i in range(last + 1))
+    return TransitionSystem(states, edges)
+
+
+@pytest.mark.parametrize(
+    ("guards", "text"),
+    [
+        ([{}], ""),
+        ([{P: True}], "people"),
+        ([{P: False, O: True}], "no people, obstacle"),
+        ([{P: True}, {P: False, O: True}], "people or obstacle"),
+        ([{P: True, O: True}, {P: True, O: False}], "people"),
+        ([{P: True}, {P: False}], ""),
+        ([{"level()": 2}], "level() = 2"),
+    ],
+)
+def test_conditions_in_few_words(guards, text):
+    assert guard_text(guards) == text
+
+
+def test_a_run_of_equal_commands_is_one_node():
+    drawing = condense(climb(10))
+    assert [len(n.states) for n in drawing.nodes] == [1, 10, 1]
+    assert [(k.source, k.target) for k in drawing.links] == [(0, 1), (1, 2), (2, 2)]
+
+
+def test_a_condition_that_all_edges_share_stands_in_the_node():
+    edges = (Edge({P: True}, 1), Edge({P: False}, 2))
+    system = TransitionSystem((state(""), state("stop()", 3), state("go()", 5)), (edges,) * 3)
+    drawing = condense(system)
+    assert [n.entry for n in drawing.nodes] == ["", "people", "no people"]
+    assert all(k.label == "" for k in drawing.links)
+    assert len(drawing.links) == 6
+
+
+def test_different_conditions_stay_on_the_edges():
+    out = (Edge({P: True}, 1), Edge({P: False}, 0))
+    system = TransitionSystem((state(""), state("stop()", 3)), (out, (Edge({}, 1),)))
+    labels = {(k.source, k.target): k.label for k in condense(system).links}
+    assert labels == {(0, 1): "people", (0, 0): "", (1, 1): ""}
+
+
+def test_very_large_automata_are_drawn_in_part():
+    states = tuple(state(f"go({i})", i + 1) for i in range(100))
+    edges = tuple((Edge({}, min(i + 1, 99)),) for i in range(100))
+    svg = automaton_svg(TransitionSystem(states, edges))
+    assert svg.count("<rect") == 60
+    assert "40 more nodes" in svg
+
+
+def test_a_cut_is_visible():
+    system = TransitionSystem(
+        (state(""), state("go()", 1, cut=True)), ((Edge({}, 1),), (Edge({}, 1),))
+    )
+    assert "not explored further" in automaton_svg(system)

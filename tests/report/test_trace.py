@@ -1,0 +1,58 @@
+import dataclasses
+
+from report_samples import DRIVE_PLAN, climb_counterexample, drive_counterexample
+
+from vaso.report.trace import FOR_EVER, blamed_lines, concerned, short_sensor, trace_table
+
+
+def test_sensor_columns_stand_for_the_propositions_they_decide():
+    table = trace_table(drive_counterexample())
+    assert table.sensors == ("people", "obstacle")
+    assert table.values == ("stop",)
+    assert [r.sensed for r in table.rows] == [("yes", "no"), ("no", "yes"), ("no", "no")]
+
+
+def test_a_label_that_differs_from_its_sensor_gets_a_column():
+    example = drive_counterexample()
+    first = dataclasses.replace(
+        example.steps[0], labels={**example.steps[0].labels, "people_observed": False}
+    )
+    assert "people_observed" in concerned(
+        dataclasses.replace(example, steps=(first, *example.steps[1:]))
+    )
+
+
+def test_the_loop_is_told_in_words():
+    rows = trace_table(drive_counterexample()).rows
+    assert [r.looping for r in rows] == [False, False, True]
+    assert rows[-1].notes == ("the plan has ended", FOR_EVER)
+
+
+def test_a_longer_loop_says_where_it_goes_on():
+    rows = trace_table(dataclasses.replace(drive_counterexample(), loop_start=1)).rows
+    assert rows[1].notes == ("the loop starts here",)
+    assert rows[2].notes[-1] == "then again from step 1, for ever"
+
+
+def test_long_traces_keep_the_start_the_violation_and_the_loop():
+    rows = trace_table(climb_counterexample(100)).rows
+    assert [r.step for r in rows if not r.skipped] == [0, 1, 8, 9, 10, 11, 99]
+    assert sum(r.skipped or 1 for r in rows) == 100
+    assert [r.step for r in rows if r.violated] == [10]
+    assert rows[0].does == "(at rest)"
+
+
+def test_no_gap_of_a_single_step():
+    rows = trace_table(climb_counterexample(13), limit=5).rows
+    assert all(r.skipped != 1 for r in rows)
+
+
+def test_blame_is_the_line_in_force_at_the_violation_or_in_the_loop():
+    assert blamed_lines(climb_counterexample()) == {4: "runs in step 10"}
+    assert list(blamed_lines(drive_counterexample())) == [6]
+    assert DRIVE_PLAN.splitlines()[5] == "stop()"
+
+
+def test_short_sensor():
+    assert short_sensor("yolo_listener('trash bin')") == "trash bin"
+    assert short_sensor("battery()") == "battery()"

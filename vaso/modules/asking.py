@@ -1,0 +1,61 @@
+"""Ask a language model through dspy: one text back, whatever shape the reply has."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import dspy
+from dspy.utils.exceptions import AdapterParseError, LMError
+
+from vaso.errors import ModelError
+
+FENCE = re.compile(r"^[ \t]*(`{3,}|~{3,})[ \t]*([\w+-]*)[^\n]*\n(.*?)^[ \t]*\1[ \t]*$", re.M | re.S)
+OUTER = re.compile(r"\A\s*(`{3,}|~{3,})[ \t]*(?:markdown|md)?[ \t]*\n(.*)\n[ \t]*\1\s*\Z", re.S)
+
+
+def ask(predictor: Any, field: str, **inputs: str) -> str:
+    """Run a predictor and return one output field.
+
+    A reply that does not keep to the format is returned as it is: models often answer with the
+    bare code or file, and the caller checks the text anyway.
+
+    Args:
+        predictor: A ``dspy.Predict`` or another dspy module.
+        field: The output field.
+        **inputs: The input fields.
+
+    Raises:
+        ModelError: No model is configured, it cannot be reached, or it answers with an error.
+    """
+    if dspy.settings.lm is None and getattr(predictor, "lm", None) is None:
+        raise ModelError(
+            "no language model is configured",
+            hint='call dspy.configure(lm=dspy.LM("openai/gpt-4o-mini")), or pass one with set_lm',
+        )
+    try:
+        return str(getattr(predictor(**inputs), field) or "")
+    except AdapterParseError as error:
+        return str(error.lm_response or "")
+    except LMError as error:
+        raise ModelError(
+            f"the language model does not answer: {error}",
+            hint="check the model's name, its address (OPENAI_API_BASE or api_base) and its key",
+        ) from error
+
+
+def code_of(reply: str) -> str:
+    """The Python code of a reply: its longest fenced Python block, or else all of it."""
+    blocks = [(lang.lower(), code) for _, lang, code in FENCE.findall(reply)]
+    python = [code for lang, code in blocks if lang in ("", "python", "py", "python3")]
+    return _tidy(max(python, key=len) if python else reply)
+
+
+def document_of(reply: str) -> str:
+    """A Markdown document that a reply may have wrapped in a fence of its own."""
+    match = OUTER.match(reply)
+    return _tidy(match.group(2) if match else reply)
+
+
+def _tidy(text: str) -> str:
+    return text.strip("\n").rstrip() + "\n" if text.strip() else ""

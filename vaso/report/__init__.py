@@ -1,0 +1,1 @@
+"""What VASO shows: views for the terminal (rich) and self-contained HTML pages."""

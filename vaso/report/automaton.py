@@ -1,0 +1,168 @@
+"""A plan's automaton, condensed for a drawing: runs of equal commands become one node."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from vaso.plan.transition_system import Guard, TransitionSystem
+from vaso.report.trace import short_sensor
+
+ALWAYS = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """Control states that follow one another with the same command.
+
+    Attributes:
+        states: Their indices, in order.
+        title: What the robot does.
+        line: Plan line that issues the command.
+        entry: The condition under which every edge leads here, if it is the same for all.
+        cut: True where exploration stopped.
+        note: Remark of the last state.
+    """
+
+    states: tuple[int, ...]
+    title: str
+    line: int | None
+    entry: str = ""
+    cut: bool = False
+    note: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """An edge of the drawing, with the condition on it unless the target states it."""
+
+    source: int
+    target: int
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """Nodes and links; node 0 is where the plan starts."""
+
+    nodes: tuple[Node, ...]
+    links: tuple[Link, ...]
+
+
+def condense(system: TransitionSystem) -> Drawing:
+    """Join control states into nodes and name the conditions between them."""
+    chains = _chains(system)
+    index = {state: n for n, chain in enumerate(chains) for state in chain}
+    conditions = _conditions(system, index)
+    entries = _entries(conditions)
+    nodes = tuple(_node(system, chain, entries.get(n, "")) for n, chain in enumerate(chains))
+    links = tuple(
+        Link(source, target, "" if target in entries else label)
+        for (source, target), label in conditions.items()
+    )
+    return Drawing(nodes, links)
+
+
+def guard_text(guards: Iterable[Guard]) -> str:
+    """Conditions as ``people, not obstacle``; alternatives are joined by ``or``."""
+    texts = [
+        ", ".join(_reading(name, value) for name, value in guard.items())
+        for guard in _merged(guards)
+    ]
+    return ALWAYS if "" in texts else " or ".join(dict.fromkeys(texts))
+
+
+def _reading(name: str, value: object) -> str:
+    name = short_sensor(name)
+    return {True: name, False: f"no {name}"}.get(value, f"{name} = {value}")  # type: ignore[call-overload,no-any-return]
+
+
+def _merged(guards: Iterable[Guard]) -> list[Guard]:
+    """The same condition in fewer words: ``p or (no p, q)`` becomes ``p or q``."""
+    found = [dict(g) for g in guards]
+    changed = True
+    while changed:
+        changed = False
+        for guard in found:
+            for name in [n for n in guard if _is_needless(guard, n, found)]:
+                del guard[name]
+                changed = True
+                break
+    return [g for i, g in enumerate(found) if not any(_covers(h, g) for h in found[:i])]
+
+
+def _is_needless(guard: Guard, name: str, all_: Sequence[Guard]) -> bool:
+    """True when with the opposite reading of ``name`` another guard lets the edge be taken too."""
+    value = guard[name]
+    return isinstance(value, bool) and any(_covers(h, {**guard, name: not value}) for h in all_)
+
+
+def _covers(weak: Guard, strong: Guard) -> bool:
+    return weak.items() <= strong.items()
+
+
+def _chains(system: TransitionSystem) -> list[tuple[int, ...]]:
+    incoming: dict[int, set[int]] = defaultdict(set)
+    for source, out in enumerate(system.edges):
+        for edge in out:
+            incoming[edge.target].add(source)
+    follows = {
+        s: t
+        for s in range(len(system.states))
+        if (t := _only(edge.target for edge in system.edges[s])) is not None
+        and incoming[t] == {s}
+        and t != 0
+        and _same(system, s, t)
+    }
+    heads = [s for s in _reachable(system) if s not in follows.values()]
+    return [_chain(head, follows) for head in heads]
+
+
+def _chain(head: int, follows: Mapping[int, int]) -> tuple[int, ...]:
+    chain = [head]
+    while (after := follows.get(chain[-1])) is not None and after not in chain:
+        chain.append(after)
+    return tuple(chain)
+
+
+def _only(targets: Iterable[int]) -> int | None:
+    found = set(targets)
+    return found.pop() if len(found) == 1 else None
+
+
+def _same(system: TransitionSystem, one: int, other: int) -> bool:
+    a, b = system.states[one], system.states[other]
+    return (a.command, a.api, a.line) == (b.command, b.api, b.line)
+
+
+def _reachable(system: TransitionSystem) -> list[int]:
+    order = [0]
+    for state in order:
+        order += [t for t in dict.fromkeys(e.target for e in system.edges[state]) if t not in order]
+    return order
+
+
+def _conditions(system: TransitionSystem, index: Mapping[int, int]) -> dict[tuple[int, int], str]:
+    guards: dict[tuple[int, int], list[Guard]] = defaultdict(list)
+    for source, node in index.items():
+        for edge in system.edges[source]:
+            target = index[edge.target]
+            if target != node or edge.target <= source:
+                guards[node, target].append(edge.guard)
+    return {pair: guard_text(found) for pair, found in guards.items()}
+
+
+def _entries(conditions: Mapping[tuple[int, int], str]) -> dict[int, str]:
+    labels: dict[int, set[str]] = defaultdict(set)
+    for (_, target), label in conditions.items():
+        labels[target].add(label)
+    return {t: found.pop() for t, found in labels.items() if len(found) == 1}
+
+
+def _node(system: TransitionSystem, chain: tuple[int, ...], entry: str) -> Node:
+    first, last = system.states[chain[0]], system.states[chain[-1]]
+    title = first.api or ("(at rest)" if chain[0] == 0 else first.command)
+    return Node(
+        chain, title, first.line, entry, any(system.states[s].cut for s in chain), last.note
+    )

@@ -1,0 +1,29 @@
+"""The frame of every HTML page: one file, styles inside, nothing fetched from anywhere."""
+
+from __future__ import annotations
+
+import importlib.resources
+
+from vaso.report.markup import Child, Markup, el, join
+
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+
+
+def page(title: str, *content: Child) -> str:
+    """A complete HTML page.
+
+    The styles touch nothing outside the page's own ``vaso`` element, so that a notebook can show
+    the page as the output of a cell.
+    """
+    css = importlib.resources.files("vaso.report").joinpath("page.css").read_text(encoding="utf-8")
+    head = join(
+        el("meta", charset="utf-8"),
+        el("meta", name="viewport", content="width=device-width, initial-scale=1"),
+        el("meta", http_equiv="Content-Security-Policy", content=POLICY),
+        el("title", title),
+        el("style", Markup(css)),
+    )
+    body = el("main", *content, cls="vaso")
+    return "<!DOCTYPE html>\n" + el(
+        "html", el("head", head), el("body", body), lang="en", cls="vaso-page"
+    )
