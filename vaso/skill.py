@@ -20,7 +20,8 @@ class Rule(BaseModel):
 
     Attributes:
         text: The formula as its author wrote it.
-        role: ``global`` (never changed), ``local`` (the skill's own), or ``assumption`` (on sensors).
+        role: ``global`` (never changed), ``local`` (the skill's own), or ``assumption`` (on
+            sensors).
         note: Remark that stands beside it in the file.
     """
 
@@ -84,6 +85,15 @@ class Skill(BaseModel):
     labelling_line: int = Field(default=1, exclude=True)
     template_line: int = Field(default=1, exclude=True)
 
+    def __eq__(self, other: object) -> bool:
+        """Skills are equal when their content is; where they were read from does not count."""
+        if not isinstance(other, Skill):
+            return NotImplemented
+        return self.model_dump() == other.model_dump()
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.rules, self.labelling_code, self.plan_template))
+
     @property
     def rules(self) -> tuple[Rule, ...]:
         """Global rules, then local rules: what a plan must satisfy."""
@@ -99,7 +109,7 @@ class Skill(BaseModel):
         }
 
     def with_parameters(self, texts: dict[ParameterName, str]) -> Skill:
-        """A copy with some texts replaced.
+        """A copy with some texts replaced. It no longer is the text of the file it came from.
 
         Raises:
             SkillError: An unknown parameter name, or a local rule that does not parse.
@@ -115,7 +125,10 @@ class Skill(BaseModel):
                     f"'{name}' is not a parameter of a skill",
                     expected="local_rule, labelling_code or plan_template",
                 )
-        return self.model_copy(update=changes)
+        if all(getattr(self, name) == value for name, value in changes.items()):
+            return self
+        where = {"source": None, "labelling_line": 1, "template_line": 1}
+        return self.model_copy(update=where | changes)
 
     def _repr_html_(self) -> str:
         from vaso.report.html import skill_html
@@ -124,12 +137,23 @@ class Skill(BaseModel):
 
 
 def _rules(text: str, skill: Skill) -> tuple[Rule, ...]:
+    """The local rules in a text, one a line; a rule that the skill has already keeps its note."""
+    known = {rule.text: rule for rule in skill.local_rules}
     lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return tuple(known.get(line) or _local_rule(line, skill) for line in lines)
+
+
+def _local_rule(text: str, skill: Skill) -> Rule:
     try:
-        return tuple(Rule(text=line, role="local") for line in lines)
-    except ValueError as error:
-        cause = error if isinstance(error, FormulaError) else None
-        raise SkillError(f"a local rule does not parse: {cause or error}", source=skill.name) from error
+        parse_with_warnings(text)
+    except FormulaError as error:
+        raise SkillError(
+            f"a local rule cannot be read: {error.message}",
+            source=skill.name,
+            expected=error.expected,
+            hint=error.hint,
+        ) from error
+    return Rule(text=text, role="local")
 
 
 def shipped_skills() -> list[str]:
