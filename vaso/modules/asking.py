@@ -8,7 +8,7 @@ from typing import Any
 import dspy
 from dspy.utils.exceptions import AdapterParseError, LMError
 
-from vaso.errors import ModelError
+from vaso.lm import explain, get_lm
 
 FENCE = re.compile(r"^[ \t]*(`{3,}|~{3,})[ \t]*([\w+-]*)[^\n]*\n(.*?)^[ \t]*\1[ \t]*$", re.M | re.S)
 OUTER = re.compile(r"\A\s*(`{3,}|~{3,})[ \t]*(?:markdown|md)?[ \t]*\n(.*)\n[ \t]*\1\s*\Z", re.S)
@@ -28,20 +28,14 @@ def ask(predictor: Any, field: str, **inputs: str) -> str:
     Raises:
         ModelError: No model is configured, it cannot be reached, or it answers with an error.
     """
-    if dspy.settings.lm is None and getattr(predictor, "lm", None) is None:
-        raise ModelError(
-            "no language model is configured",
-            hint='call dspy.configure(lm=dspy.LM("openai/gpt-4o-mini")), or pass one with set_lm',
-        )
+    lm = getattr(predictor, "lm", None) or get_lm()
     try:
-        return str(getattr(predictor(**inputs), field) or "")
+        with dspy.context(lm=lm):
+            return str(getattr(predictor(**inputs), field) or "")
     except AdapterParseError as error:
         return str(error.lm_response or "")
     except LMError as error:
-        raise ModelError(
-            f"the language model does not answer: {error}",
-            hint="check the model's name, its address (OPENAI_API_BASE or api_base) and its key",
-        ) from error
+        raise explain(error) from error
 
 
 def code_of(reply: str) -> str:

@@ -31,8 +31,17 @@ def listing(code: str, marks: Mapping[int, str] | None = None) -> Markup:
 def difference(before: str, after: str, *, context: int = 3) -> Markup:
     """The changed lines of a text with some context."""
     lines = difflib.unified_diff(before.splitlines(), after.splitlines(), n=context, lineterm="")
-    rows = [el("span", line or " ", cls=CLASSES.get(line[:1], "row")) for line in list(lines)[2:]]
+    return diff_block("\n".join(list(lines)[2:]))
+
+
+def diff_block(diff: str) -> Markup:
+    """A unified diff with its colours."""
+    rows = [el("span", line or " ", cls=_class(line)) for line in diff.splitlines()]
     return _block(rows) if rows else el("p", "Nothing changed.", cls="soft")
+
+
+def _class(line: str) -> str:
+    return "row hunk" if line.startswith(("+++ ", "--- ")) else CLASSES.get(line[:1], "row")
 
 
 def _block(rows: list[Markup]) -> Markup:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Group, RenderableType
@@ -17,6 +18,9 @@ from rich.text import Text
 
 from vaso.report.trace import Row, blamed_lines, seconds, trace_table
 from vaso.verdict import Counterexample, SpecResult, Verdict, VerificationResult
+
+if TYPE_CHECKING:
+    from vaso.optimizers.result import OptimizationResult
 
 STYLES = {
     Verdict.PASS: ("✓ PASS", "bold green"),
@@ -172,3 +176,10 @@ def diff_view(before: str, after: str, name: str = "", *, context: int = 2) -> T
         text.append(f"{line}\n", style=DIFF.get(line[0], ""))
     text.rstrip()
     return text
+
+
+def optimization_view(result: OptimizationResult) -> Group:
+    """An optimization: where it ended, its steps, and what changed in the skill."""
+    from vaso.report import terminal_runs
+
+    return terminal_runs.optimization_view(result)
