@@ -94,7 +94,7 @@ def unexpected(text: str, tokens: Sequence[Token], index: int) -> Problem:
         and (problem := _after_name(text, before, token))
     ):
         return problem
-    hint = _hint(found, before, after_operand)
+    hint = _hint(token, found, before, after_operand)
     return Problem(f'unexpected "{found}"', token.start, expected=expected, hint=hint)
 
 
@@ -138,8 +138,8 @@ def not_ltl(word: Token) -> Problem:
     )
 
 
-def _hint(found: str, before: Token | None, after_operand: bool) -> str | None:
-    if before is not None and before.type == "NUMBER" and found[:1].isalpha():
+def _hint(token: Token, found: str, before: Token | None, after_operand: bool) -> str | None:
+    if before is not None and before.type == "NUMBER" and token.type == "NAME":
         return "the units are m, m/s, m/s^2, s, rad and deg; nothing is converted"
     if found == "<>" and after_operand:
         return '"<>" means eventually; for "not equal" write "!="'

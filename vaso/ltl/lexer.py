@@ -1,8 +1,8 @@
 """From text to tokens: every accepted spelling becomes one terminal of the grammar.
 
 The lexer is written by hand because the liberties it takes depend on the neighbours of a word:
-``people observed`` is one name, ``GF p`` a chain of operators, ``release`` a command or an
-operator.
+``people observed`` is one name, ``GF p`` a chain of operators, ``release`` a command
+or an operator.
 """
 
 from __future__ import annotations
@@ -67,7 +67,9 @@ _QUOTES = {
     "\\(": "\\)",
     "\\[": "\\]",
 }
-_PREFIX = re.compile(r"\s*(?:LTLSPEC|ltlspec)\b(?:\s+NAME\s+\w+\s*:=)?")
+_PREFIX = re.compile(
+    r"\s*(?:(?:LTLSPEC|ltlspec)\b(?:\s+NAME\s+\w+\s*:=)?|\d+[.)]\s+(?=[^\W\d]|[(\[!~¬□◇○]))"
+)
 
 
 def tokenize(text: str, *, limited: bool = True) -> Tokens:
@@ -195,7 +197,7 @@ def _letter(text: str, start: int) -> Spelling:
         return LETTERS[plain]
     name = unicodedata.name(text[start], "unnamed")
     hints = {
-        ",": "decimals are written with a point; bounded operators such as F[0,10] are not LTL",
+        ",": "one formula at a time; decimals have a point; F[0,10] is not LTL",
         ".": "a name has letters, digits and underscores only",
         ":": "an LTL formula has no colon; remove a label in front of it",
         "'": "a name has letters, digits and underscores only",
@@ -308,6 +310,8 @@ def _name_of(words: list[Token]) -> Token:
     if len(words) > 1 and stray:
         raise not_ltl(stray)
     name = "_".join(word.value for word in words)
+    if is_reserved(name):
+        raise Problem(f'"{name}" is reserved and cannot be a name', words[0].start)
     return Token("NAME", name, words[0].start, words[-1].end)
 
 

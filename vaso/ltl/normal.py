@@ -106,8 +106,7 @@ def is_syntactically_safe(formula: Formula) -> bool:
     """Tell whether the form of the formula shows that it is a safety property.
 
     A formula whose negation normal form looks ahead only with ``X``, ``G``, ``V`` and ``W`` is a
-    safety
-    property: every violation shows after finitely many steps (Sistla, Safety, Liveness and
+    safety property: every violation shows after finitely many steps (Sistla, Safety, Liveness and
     Fairness in Temporal Logic, 1994). Past operators do no harm. The converse does not hold: a
     safety property can be written so that its form does not show it.
     """
@@ -200,11 +199,11 @@ def _simplify_temporal(op: BinaryOp, left: Formula, right: Formula) -> Formula:
         case ("W" | "U" | "S", Constant(False), _) | ("V" | "T", Constant(True), _):
             return right
         case ("W", _, Constant(False)) | ("V", Constant(False), _):
-            return Unary("G", left if op == "W" else right)
+            return _simplify_unary("G", left if op == "W" else right)
         case ("U", Constant(True), _):
-            return Unary("F", right)
+            return _simplify_unary("F", right)
         case ("S", Constant(True), _):
-            return Unary("O", right)
+            return _simplify_unary("O", right)
         case ("T", Constant(False), _):
-            return Unary("H", right)
+            return _simplify_unary("H", right)
     return Binary(op, left, right)

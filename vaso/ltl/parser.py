@@ -1,8 +1,8 @@
 """Reading formulas.
 
 :func:`parse` is what the rest of VASO uses; :func:`parse_with_warnings` also reports readings that
-may surprise. The work is done by the lexer (spellings), ``ltl.lark`` (precedence) and the
-functions below, one for each rule of the grammar, which tell formulas from numbers.
+may surprise. The work is done by the lexer (spellings), ``ltl.lark`` (precedence) and ``build.py``
+(one action for each rule of the grammar, telling formulas from numbers).
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """Where the reading of a formula is likely to surprise, and what was probably meant.
 
-Unary temporal operators bind tightest, so ``F !p & !q -> F !stop`` is ``((F !p) & !q) -> (F
-!stop)``. People, and language models, mostly mean ``F (!p & !q) -> F !stop``. The parser uses
-these rules to warn, the printer to put brackets where it would otherwise write a misleading text.
+Unary temporal operators bind tightest, so ``F !p & !q -> F !stop`` is
+``((F !p) & !q) -> (F !stop)``. People, and language models, mostly mean
+``F(!p & !q) -> F !stop``. The parser uses these rules to warn, the printer to put brackets where
+it would otherwise write a misleading text.
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 from vaso.ltl.syntax import Binary, BinaryOp, Formula, Unary
 from vaso.ltl.traverse import TEMPORAL_OPERATORS, is_propositional, is_temporal, subformulas
 
-__all__ = ["intended", "is_misleading"]
+__all__ = ["associates_unexpectedly", "intended", "is_misleading", "regrouped"]
 
 _BINARY_TEMPORAL = frozenset("UVWST")
 _TIGHT = frozenset(["&", "|", "xor"]) | _BINARY_TEMPORAL

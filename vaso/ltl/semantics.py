@@ -2,12 +2,11 @@
 
 Semantics as in Baier & Katoen (2008), definition 5.6, with past operators as in Lichtenstein,
 Pnueli & Zuck (1985). This evaluator shares no code with the model checkers, so that it can serve
-as a check on
-them: every counterexample is replayed here.
+as a check on them: every counterexample is replayed here.
 
 *Past operators on a loop.* In the second turn of a loop a past operator sees more than in the
 first. With ``d`` past operators nested, truth repeats from the ``d``-th turn on (Benedetti &
-Cimatti, Bounded Model Checking for Past LTL, 2003, lemma 1); the loop is unrolled that many times
+Cimatti, Bounded Model Checking for Past LTL, 2003); the loop is unrolled that many times
 and the result is exact.
 
 *Numbers.* Both sides of a comparison are rounded to nine decimals first, so that the drift of

@@ -1,11 +1,10 @@
 """Abstract syntax of linear temporal logic with past and numeric comparisons.
 
 The operators are those of NuSMV's LTL (NuSMV User Manual 2.6, section 2.4.3), with ``W`` (weak
-until)
-added: ``X F G U V W`` look ahead, ``Y Z O H S T`` look back. ``V`` is release and ``T`` triggered,
-the duals of ``U`` and ``S``. For the logic itself see Baier & Katoen, Principles of Model Checking
-(2008), chapter 5; for the past operators, Lichtenstein, Pnueli & Zuck, The Glory of the Past
-(1985).
+until) added: ``X F G U V W`` look ahead, ``Y Z O H S T`` look back. ``V`` is release and ``T``
+triggered, the duals of ``U`` and ``S``. For the logic itself see Baier & Katoen, Principles of
+Model Checking (2008), chapter 5; for the past operators, Lichtenstein, Pnueli & Zuck, The Glory of
+the Past (1985).
 
 Nodes are immutable, hashable and compare by structure. Hashing is done once per node and comparing
 does not recurse, so formulas may be deep and may serve as dictionary keys at no cost.

@@ -1,8 +1,8 @@
 """The canonical ASCII text of a formula, and its fully bracketed variant.
 
 The canonical text has the fewest brackets with which it reads back as the same formula *and* does
-not
-mislead: ``(F p) & q`` keeps brackets that the precedence of the operators alone would not ask for.
+not mislead: ``(F p) & q`` keeps brackets that the precedence of the operators alone would not ask
+for.
 """
 
 from __future__ import annotations
