@@ -7,7 +7,7 @@ printer and transformation a small function and makes the depth of a formula irr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import TypeVar
 
 from vaso.ltl.syntax import (
@@ -203,7 +203,7 @@ def map_atoms(formula: Formula, change: Callable[[Atom], Formula]) -> Formula:
     return fold(formula, replace)
 
 
-def substitute(formula: Formula, replacements: dict[Formula, Formula]) -> Formula:
+def substitute(formula: Formula, replacements: Mapping[Formula, Formula]) -> Formula:
     """Replace subformulas; where one replaced formula contains another, the larger one wins.
 
     Args:
