@@ -79,7 +79,7 @@ class LabellingError(VasoError, ValueError):
 
 
 class PlanError(VasoError, ValueError):
-    """A plan that is not a program of this skill: bad syntax, an undefined function, a bad command."""
+    """A plan that is no program of its skill: bad syntax, undefined names, bad commands."""
 
 
 class UnsupportedPlanError(PlanError):
@@ -95,7 +95,13 @@ class OptimizerError(VasoError, RuntimeError):
 
 
 class ModelError(VasoError, RuntimeError):
-    """A language model that is missing, unreachable, or answers with an error."""
+    """A language model that is missing, unreachable, or answers with an error.
+
+    Attributes:
+        permanent: True where trying again cannot help, such as for a missing key.
+    """
+
+    permanent = False
 
 
 class MissingDependencyError(VasoError, ImportError):

@@ -2,7 +2,7 @@
 
 from vaso.skill import Rule, Skill
 
-JACKAL_CODE = '''
+JACKAL_CODE = """
 MAX_SPEED = 0.5
 CURRENT_SPEED = 0.0
 def people_observed() -> bool:
@@ -25,9 +25,9 @@ def turn_left() -> None:
     set_velocity(linear=0.0, angular=0.5)
 def turn_right() -> None:
     set_velocity(linear=0.0, angular=-0.5)
-'''
+"""
 
-PX4_CODE = '''
+PX4_CODE = """
 import math
 from typing import List, Tuple
 Velocity = Tuple[float, float, float]
@@ -44,7 +44,7 @@ def linear_velocity(plan) -> float:
     return 0.0 if altitude(plan) == 0 else _norm3(plan[-1])
 def velocity_change(previous: Velocity, current: Velocity) -> float:
     return _norm3(tuple(c - p for c, p in zip(current, previous)))
-'''
+"""
 
 DRIVE = Skill(
     name="drive",

@@ -46,8 +46,8 @@ class Reference:
         for sensor in self.platform.sensors:
             names[sensor.name] = lambda *a, s=sensor, **k: self._here[s.key(a, k)]
         try:
-            exec(compile(code, "labelling", "exec"), names)  # noqa: S102
-            exec(compile(plan, "plan", "exec"), names)  # noqa: S102
+            exec(compile(code, "labelling", "exec"), names)
+            exec(compile(plan, "plan", "exec"), names)
         except (EnoughError, ValueError, AssertionError):
             pass
         self.commands += [self.commands[-1]] * len(self.valuations)

@@ -49,7 +49,13 @@ def test_the_papers_initial_drive_template_has_four_states():
 
 def test_the_last_command_goes_on_after_the_end():
     system = compiled("forward()\nturn_left()\n")
-    assert run(system, *[False] * 5) == ["", "forward()", "turn_left()", "turn_left()", "turn_left()"]
+    assert run(system, *[False] * 5) == [
+        "",
+        "forward()",
+        "turn_left()",
+        "turn_left()",
+        "turn_left()",
+    ]
     assert "ended" in system.states[-1].note
 
 
@@ -145,16 +151,22 @@ def test_an_api_may_send_several_commands():
 
 
 def test_a_plan_sets_a_constant_of_the_labelling_code_from_state_zero():
-    code = JACKAL_CODE + "\nTARGET = 'target'\ndef target_observed():\n    return yolo_listener(TARGET)\n"
+    code = (
+        JACKAL_CODE
+        + "\nTARGET = 'target'\ndef target_observed():\n    return yolo_listener(TARGET)\n"
+    )
     skill = DRIVE.model_copy(update={"labelling_code": code})
-    system = compiled("TARGET = 'bottle'\nwhile not target_observed():\n    forward()\nstop()\n", skill)
+    system = compiled(
+        "TARGET = 'bottle'\nwhile not target_observed():\n    forward()\nstop()\n", skill
+    )
     assert "yolo_listener('bottle')" in {s.name for s in system.sensors}
     assert "yolo_listener('target')" not in {s.name for s in system.sensors}
 
 
 def test_an_exception_in_an_api_reaches_the_plan():
     code = JACKAL_CODE.replace(
-        "    CURRENT_SPEED = abs(linear)", "    assert abs(linear) <= MAX_SPEED\n    CURRENT_SPEED = abs(linear)"
+        "    CURRENT_SPEED = abs(linear)",
+        "    assert abs(linear) <= MAX_SPEED\n    CURRENT_SPEED = abs(linear)",
     )
     source = "try:\n    set_velocity(2.0, 0.0)\nexcept AssertionError:\n    stop()\nforward()\n"
     system = compiled(source, DRIVE.model_copy(update={"labelling_code": code}))
@@ -263,7 +275,12 @@ def test_reaching_outside_is_refused(source, word, line):
 @pytest.mark.parametrize(
     ("skill", "source", "word", "line"),
     [
-        (DRIVE, "if people_observed()\n    or obstacle_observed():\n    stop()\n", "not valid Python", 1),
+        (
+            DRIVE,
+            "if people_observed()\n    or obstacle_observed():\n    stop()\n",
+            "not valid Python",
+            1,
+        ),
         (DRIVE, "forward()\nhover()\n", "'hover' is not defined", 2),
         (DRIVE, "robot.forward()\n", "'robot' is not defined", 1),
         (DRIVE, "forward()\nvelocity_publisher('fast', 0)\n", "must be a number", 2),

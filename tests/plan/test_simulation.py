@@ -15,7 +15,9 @@ from vaso.platforms import get_platform
 JACKAL = get_platform("jackal")
 PEOPLE, OBSTACLE = "yolo_listener('people')", "yolo_listener('obstacle')"
 
-ACTIONS = st.sampled_from(["forward()", "stop()", "turn_left()", "backward()", "act()", "robot.go()"])
+ACTIONS = st.sampled_from(
+    ["forward()", "stop()", "turn_left()", "backward()", "act()", "robot.go()"]
+)
 TESTS = st.sampled_from(
     [
         "people_observed()",
@@ -88,9 +90,15 @@ def _compound(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         body.map(lambda b: f"for word in ['a', 'b']:\n{b}"),
         body.map(lambda b: f"try:\n{b}\n    1 / (n - 1)\nexcept ZeroDivisionError:\n    stop()"),
         st.tuples(TESTS, body).map(
-            lambda t: f"while {t[0]}:\n{t[1]}\n    forward()\n    if n > 3 or people_observed():\n        break"
+            lambda t: (
+                f"while {t[0]}:\n{t[1]}\n    forward()\n    if n > 3 or people_observed():\n        break"
+            )
         ),
-        body.map(lambda b: f"for i, word in enumerate([1, (2, 3)]):\n{b}\n    if seen: continue\n    stop()"),
+        body.map(
+            lambda b: (
+                f"for i, word in enumerate([1, (2, 3)]):\n{b}\n    if seen: continue\n    stop()"
+            )
+        ),
     )
 
 
@@ -98,7 +106,9 @@ PLANS = st.lists(st.recursive(SIMPLE, _compound, max_leaves=8), min_size=1, max_
     lambda parts: HEAD + "\n".join(parts) + "\n"
 )
 VALUATIONS = st.lists(
-    st.fixed_dictionaries({PEOPLE: st.booleans(), OBSTACLE: st.booleans()}), min_size=12, max_size=12
+    st.fixed_dictionaries({PEOPLE: st.booleans(), OBSTACLE: st.booleans()}),
+    min_size=12,
+    max_size=12,
 )
 
 

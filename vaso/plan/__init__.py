@@ -20,7 +20,7 @@ _EXPORTS = {
     "to_json": "vaso.plan.export",
 }
 
-__all__ = list(_EXPORTS)  # noqa: PLE0604
+__all__ = list(_EXPORTS)
 
 if TYPE_CHECKING:
     from vaso.plan.explore import Budget, compile_plan

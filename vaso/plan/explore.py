@@ -15,14 +15,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vaso.ltl import Formula, propositions, variables
+from vaso.plan.config import Config, Origin, Reader, Turn
 from vaso.plan.labelling import Labelling
 from vaso.plan.labels import Labeller
 from vaso.plan.machine import Machine
 from vaso.plan.model import Plan
 from vaso.plan.source import prepare
-from vaso.plan.stepping import Config, Origin, Reader, Stepper, Turn
+from vaso.plan.stepping import Stepper
 from vaso.plan.trajectory import Histories
-from vaso.plan.transition_system import Cut, Edge, Sensor, State, TransitionSystem
+from vaso.plan.transition_system import Cut, Edge, Scalar, Sensor, State, TransitionSystem
 from vaso.platforms import Platform, get_platform
 from vaso.skill import Skill
 
@@ -81,9 +82,7 @@ class _Session:
         self.robot = robot
         source = skill.source or f"{skill.name}: labelling code"
         # First only to learn which functions and constants there are; it starts no process.
-        draft = Labelling(
-            skill.labelling_code, robot, name=source, line=skill.labelling_line
-        )
+        draft = Labelling(skill.labelling_code, robot, name=source, line=skill.labelling_line)
         known = {
             *draft.functions,
             *(c.name for c in robot.commands),
@@ -202,7 +201,8 @@ class _Exploration:
         self.labeller.prefill(config, histories)
 
     def _expand(self, number: int) -> tuple[Edge, ...]:
-        edges, todo = [], [{}]
+        edges: list[Edge] = []
+        todo: list[dict[str, Scalar]] = [{}]
         config, depth = self.configs[number], self.depths[number] + 1
         while todo:
             reader = Reader(todo.pop())

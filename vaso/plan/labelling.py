@@ -19,6 +19,9 @@ from vaso.plan.transition_system import Scalar
 from vaso.platforms import Issued, Platform
 
 NEXT, DONE, API = "__vaso_next__", "__vaso_done__", "__vaso_api__"
+ROWS = "__vaso_rows__"
+"""Request that evaluates proposition functions on every prefix of a trajectory."""
+
 CODE_FEED = 1
 _SERVE = "while True:\n    __vaso_turn__()\n"
 _TURN = f"""
@@ -26,7 +29,7 @@ def __vaso_turn__():
     request = {NEXT}()
     {DONE}({API}[request[0]](*request[1], **request[2]))
 
-def __vaso_rows__(calls, trajectory):
+def {ROWS}(calls, trajectory):
     rows = []
     for i in range(1, len(trajectory) + 1):
         row = []
@@ -66,9 +69,9 @@ class Commanded:
 
 @dataclass(frozen=True, slots=True)
 class Slept:
-    """The code sleeps."""
+    """The code sleeps for some periods (at least one)."""
 
-    seconds: float
+    periods: int
     at: Continuation
 
 
@@ -156,7 +159,7 @@ class Labelling:
         sets = "".join(f"{name} = {value!r}\n" for name, value in rebinds.items())
         table = ", ".join(f"{n!r}: {n}" for n in self.functions)
         values = ", ".join(f"{'=' + n!r}: lambda: {n}" for n in self.constants)
-        extra = "'__vaso_rows__': __vaso_rows__"
+        extra = f"{ROWS!r}: {ROWS}"
         return f"{sets}{_TURN}\n{API} = {{{', '.join(p for p in (table, values, extra) if p)}}}\n"
 
     def start(self) -> Continuation:
@@ -193,9 +196,7 @@ class Labelling:
         clock: float,
     ) -> Outcome:
         """Call a function of the code and run until it answers, or a period must pass."""
-        return self._drive(
-            self._machine.advance(at, (name, list(args), dict(kwargs))), ask, clock
-        )
+        return self._drive(self._machine.advance(at, (name, list(args), dict(kwargs))), ask, clock)
 
     def resume(self, at: Continuation, ask: Ask, clock: float) -> Outcome:
         """Go on after the period of a command or a sleep has passed."""
@@ -230,7 +231,9 @@ class Labelling:
         line = locate(self._code, event.message, event.line_in(CODE_FEED))
         return Threw(event.error, event.message, line, at)
 
-    def _step(self, event: Call, at: Continuation, ask: Ask, clock: float) -> Any:
+    def _step(
+        self, event: Call, at: Continuation, ask: Ask, clock: float
+    ) -> Outcome | Continuation:
         sensor = self.platform.sensor(event.name)
         command = self.platform.command(event.name)
         try:
@@ -239,10 +242,11 @@ class Labelling:
                 return self._machine.advance(at, value)
             if command is not None:
                 return Commanded(command.issue(event.args, event.kwargs), at)
+            if event.name == "time.sleep":
+                periods = self.platform.periods(event.args[0])
+                return Slept(periods, at) if periods > 0 else self._machine.advance(at, None)
         except PlanError as error:
             raise self.error(error.message, event.line) from error
-        if event.name == "time.sleep":
-            return Slept(float(event.args[0]), at)
         if event.name == "time.time":
             return self._machine.advance(at, clock)
         raise self.error(f"the function '{event.name}' is not defined", event.line)

@@ -7,9 +7,9 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 from vaso.errors import LabellingError
+from vaso.plan.config import EPOCH, Config, Origin, Reader, Turn
 from vaso.plan.labelling import Commanded, Function, Labelling, Returned, Slept, Threw
 from vaso.plan.machine import Continuation
-from vaso.plan.stepping import EPOCH, Config, Origin, Reader, Turn
 from vaso.plan.trajectory import Histories
 from vaso.plan.transition_system import Case, Label, Sensor
 from vaso.platforms import Issued, Platform
@@ -184,13 +184,10 @@ class Labeller:
     def _read(
         self, function: Function, at: Continuation, history: int, reader: Reader, clock: float
     ) -> Any:
-        points = self.histories.points(history)
-        supply = {"history": points, "current": points[-1:], "previous": points[-2:-1]}
-        supply["previous"] = supply["previous"] or supply["current"]
-        kwargs = {
-            parameter: supply[kind] if kind == "history" else (supply[kind] or [None])[0]
-            for parameter, kind in function.parameters
-        }
+        points: list[Any] = self.histories.points(history) or [None]
+        supply: dict[str, Any] = {"history": points, "current": points[-1]}
+        supply["previous"] = points[-2] if len(points) > 1 else points[-1]
+        kwargs = {parameter: supply[kind] for parameter, kind in function.parameters}
         return self.labelling.request(at, function.name, (), kwargs, reader.ask, clock)
 
     def prefill(self, here: Config, histories: list[int]) -> None:
@@ -210,7 +207,9 @@ class Labeller:
             raise LabellingError("a trajectory proposition reads a sensor")
 
         try:
-            outcome = self.labelling.request(at, "__vaso_rows__", (calls, points), {}, refuse, EPOCH)
+            outcome = self.labelling.request(
+                at, "__vaso_rows__", (calls, points), {}, refuse, EPOCH
+            )
         except LabellingError:
             return
         if not isinstance(outcome, Returned) or outcome.at.key != at.key:

@@ -233,9 +233,7 @@ class Machine:
     def _open(self) -> MontySession:
         self._close()
         self._session = self._stack.enter_context(
-            _pool().checkout(
-                limits=_LIMITS, os_policy=_POLICY, assert_message_annotations=False
-            )
+            _pool().checkout(limits=_LIMITS, os_policy=_POLICY, assert_message_annotations=False)
         )
         return self._session
 

@@ -25,9 +25,11 @@ _HEADER = len(MAGIC) + len(VERSION)
 
 # Heap entry tags whose payload holds references only in the form {"C": slot}.
 _PLAIN = frozenset(
-    "T L D E F S G K B U M X Q RangeIterator Range ExtFunction Partial Slice Module A "
-    "DataclassField".split()
-)
+    {
+        "T", "L", "D", "E", "F", "S", "G", "K", "B", "U", "M", "X", "Q", "RangeIterator",
+        "Range", "ExtFunction", "Partial", "Slice", "Module", "A", "DataclassField"
+    }
+)  # fmt: skip
 # Heap entry tags with further references: payload key -> how the slot is written.
 _SLOTTED = {
     "C": ("C", "list"),

@@ -16,30 +16,28 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from vaso.errors import PlanError, UnsupportedPlanError
+from vaso.plan.rewrite import (
+    MARKER,
+    VALUE,
+    alias_edits,
+    apply_edits,
+    collect_call,
+    import_edits,
+    last_value_edits,
+    mark_edits,
+)
 
 MODULES = frozenset(
-    "math time typing typing_extensions dataclasses collections itertools functools "
-    "json re datetime __future__ string statistics operator copy".split()
-)
+    {
+        "math", "time", "typing", "typing_extensions", "dataclasses", "collections",
+        "itertools", "functools", "json", "re", "datetime", "__future__", "string",
+        "statistics", "operator", "copy"
+    }
+)  # fmt: skip
 """Modules that a plan may import."""
 
-_TYPING = frozenset(
-    "List Tuple Dict Set Optional Union Callable Sequence Iterable Iterator Literal Mapping Any "
-    "Type list tuple dict set frozenset type".split()
-)
 PRELUDE = "import math\nimport time\n"
 """Models use math and time without importing them; both are in scope."""
-
-MARKS = "__vaso_marks__"
-FOUND = "__vaso_trajectory__"
-VALUE = "__vaso_value__"
-_MARKER = f"""
-{VALUE} = None
-{MARKS} = {{}}
-def __vaso_mark__(name, value, line):
-    if isinstance(value, list):
-        {MARKS}[(name, len(value))] = line
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,13 +81,14 @@ def prepare(
     tree = parse_python(source, name)
     _check_imports(tree, name, known)
     _check_names(tree, name, {*known, *constants})
-    edits = [*_alias_edits(tree), *_import_edits(tree, known)]
+    edits = list(alias_edits(tree))
+    edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
     tail = _entry_call(tree, name, known)
     if trajectory:
-        edits += [*_marks(tree), *_last_value(tree, tail)]
-        tail += _collect(tree)
-    prelude = PRELUDE + (_MARKER if trajectory else "")
-    body = _apply(source, edits).rstrip("\n")
+        edits += [*mark_edits(tree), *last_value_edits(tree, tail)]
+        tail += collect_call(tree)
+    prelude = PRELUDE + (MARKER if trajectory else "")
+    body = apply_edits(source, edits).rstrip("\n")
     return Program(
         prelude=prelude,
         text=f"{body}\n{tail}",
@@ -139,7 +138,15 @@ def locate(source: str, message: str, line: int | None) -> int | None:
 
 def uses_clock(tree: ast.AST) -> bool:
     """True when a program may read the time (sleeping alone does not count)."""
-    clocks = {"time", "monotonic", "perf_counter", "time_ns", "monotonic_ns", "perf_counter_ns", "now"}
+    clocks = {
+        "time",
+        "monotonic",
+        "perf_counter",
+        "time_ns",
+        "monotonic_ns",
+        "perf_counter_ns",
+        "now",
+    }
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and node.attr in clocks:
             return True
@@ -150,7 +157,7 @@ def uses_clock(tree: ast.AST) -> bool:
 
 def without_aliases(source: str, tree: ast.AST) -> str:
     """The text with type aliases replaced by ``pass``."""
-    return _apply(source, list(_alias_edits(tree)))
+    return apply_edits(source, list(alias_edits(tree)))
 
 
 # --- checks ------------------------------------------------------------------------------------
@@ -190,7 +197,7 @@ def _check_names(tree: ast.AST, name: str, known: Collection[str]) -> None:
     for node in ast.walk(tree):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id not in defined:
             near = difflib.get_close_matches(node.id, sorted(defined), 1)
-            called = node.id in {c.func.id for c in _calls(tree)}
+            called = node.id in {_name(c) for c in _calls(tree)}
             raise PlanError(
                 f"{'the function ' if called else ''}'{node.id}' is not defined",
                 source=name,
@@ -207,6 +214,10 @@ def _calls(tree: ast.AST) -> Iterator[ast.Call]:
             yield node
 
 
+def _name(call: ast.Call) -> str:
+    return call.func.id if isinstance(call.func, ast.Name) else ""
+
+
 def _bound(tree: ast.AST) -> set[str]:
     """Every name that the program binds anywhere."""
     names: set[str] = set()
@@ -219,9 +230,7 @@ def _bound(tree: ast.AST) -> set[str]:
             names.add(node.arg)
         elif isinstance(node, (ast.Import, ast.ImportFrom)):
             names.update((a.asname or a.name).split(".")[0] for a in node.names)
-        elif isinstance(node, ast.ExceptHandler) and node.name:
-            names.add(node.name)
-        elif isinstance(node, (ast.MatchAs, ast.MatchStar)) and node.name:
+        elif isinstance(node, ast.ExceptHandler | ast.MatchAs | ast.MatchStar) and node.name:
             names.add(node.name)
     return names
 
@@ -256,7 +265,7 @@ def _acts(node: ast.stmt, functions: Collection[str]) -> bool:
     """True for a top-level statement that does something: calls a function, loops, branches."""
     if isinstance(node, (ast.For, ast.While, ast.If, ast.Try, ast.With, ast.Match)):
         return True
-    return any(c.func.id in functions for c in _calls(node) if isinstance(c.func, ast.Name))
+    return any(_name(c) in functions for c in _calls(node))
 
 
 def _builds_list(node: ast.stmt) -> bool:
@@ -266,117 +275,6 @@ def _builds_list(node: ast.stmt) -> bool:
     if isinstance(node, (ast.Assign, ast.AnnAssign)):
         return isinstance(value, (ast.List, ast.BinOp, ast.ListComp))
     return isinstance(node, ast.Expr) and isinstance(value, (ast.Call, ast.List, ast.Name))
-
-
-# --- trajectories ------------------------------------------------------------------------------
-
-
-def _marks(tree: ast.AST) -> Iterator[tuple[int, int, int, int, str]]:
-    """Record after each statement that grows a list how long it is, so elements have lines."""
-    for node in ast.walk(tree):
-        target = _grown(node)
-        if target and isinstance(node, ast.stmt):
-            end_line, end = node.end_lineno or node.lineno, node.end_col_offset or 0
-            code = f"; __vaso_mark__({target!r}, {target}, {node.lineno})"
-            yield end_line, end, end_line, end, code
-
-
-def _grown(node: ast.AST) -> str | None:
-    value = getattr(node, "value", None)
-    if value is not None and _is_type(value):
-        return None
-    if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
-        return node.target.id
-    if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
-        return node.target.id
-    if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-        return node.targets[0].id if len(node.targets) == 1 else None
-    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
-        function = node.value.func
-        if isinstance(function, ast.Attribute) and function.attr in ("append", "extend", "insert"):
-            return function.value.id if isinstance(function.value, ast.Name) else None
-    return None
-
-
-def _last_value(tree: ast.Module, tail: str) -> Iterator[tuple[int, int, int, int, str]]:
-    """Keep the value of a last line that is an expression, as a notebook would show it."""
-    last = tree.body[-1] if tree.body else None
-    if isinstance(last, ast.Expr) and not tail:
-        yield last.lineno, last.col_offset, last.lineno, last.col_offset, f"{VALUE} = "
-
-
-def _collect(tree: ast.Module) -> str:
-    """Hand every list that the plan may mean as its trajectory to the host, likeliest first."""
-    names: list[str] = []
-    for node in tree.body:
-        for name in _assigned(node):
-            names = [name, *(n for n in names if n != name)]
-    lines = [f"{FOUND}_list = []"]
-    for name in [VALUE, *names]:
-        lines += [
-            "try:",
-            f"    if isinstance({name}, (list, tuple)): {FOUND}_list.append(({name!r}, {name}))",
-            "except NameError: pass",
-        ]
-    return "\n".join([*lines, f"{FOUND}({FOUND}_list, list({MARKS}.items()))", ""])
-
-
-def _assigned(node: ast.stmt) -> Iterator[str]:
-    for inner in ast.walk(node):
-        if isinstance(inner, (ast.FunctionDef, ast.ClassDef)):
-            return
-        name = _grown(inner)
-        if name:
-            yield name
-
-
-# --- text edits --------------------------------------------------------------------------------
-
-
-def _alias_edits(tree: ast.AST) -> Iterator[tuple[int, int, int, int, str]]:
-    """Type aliases become ``pass``; annotations of variables go (the sandbox evaluates them)."""
-    for node in ast.walk(tree):
-        if not isinstance(node, (ast.Assign, ast.AnnAssign)):
-            continue
-        if node.value is None or _is_type(node.value):
-            yield _span(node, "pass")
-        elif isinstance(node, ast.AnnAssign):
-            target, note = node.target, node.annotation
-            start = (target.end_lineno or 0, target.end_col_offset or 0)
-            yield *start, note.end_lineno or 0, note.end_col_offset or 0, ""
-
-
-def _is_type(node: ast.AST) -> bool:
-    if isinstance(node, ast.Subscript):
-        base = node.value.attr if isinstance(node.value, ast.Attribute) else None
-        base = node.value.id if isinstance(node.value, ast.Name) else base
-        return base in _TYPING
-    return isinstance(node, ast.BinOp) and isinstance(node.op, ast.BitOr) and (
-        _is_type(node.left) or _is_type(node.right)
-    )
-
-
-def _import_edits(
-    tree: ast.AST, known: Collection[str]
-) -> Iterator[tuple[int, int, int, int, str]]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and _imports_own_functions(node, known):
-            yield _span(node, "pass")
-
-
-def _span(node: ast.stmt, text: str) -> tuple[int, int, int, int, str]:
-    """Replace a statement, keeping the number of lines (a bracketed remainder becomes blank)."""
-    return node.lineno, node.col_offset, node.end_lineno or 0, node.end_col_offset or 0, text
-
-
-def _apply(source: str, edits: list[tuple[int, int, int, int, str]]) -> str:
-    """Apply edits given as (line, byte column, end line, end byte column, text), last one first."""
-    lines = [line.encode() for line in source.split("\n")]
-    for line, column, end_line, end_column, text in sorted(edits, reverse=True):
-        head, tail = lines[line - 1][:column], lines[end_line - 1][end_column:]
-        lines[line - 1] = head + text.encode() + tail
-        lines[line:end_line] = [b""] * (end_line - line)
-    return b"\n".join(lines).decode()
 
 
 def _rebinds(tree: ast.Module, constants: Collection[str]) -> dict[str, object]:

@@ -6,22 +6,21 @@ command; a plan that ends leaves its last command in force for ever.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
-from typing import Any
+from typing import Any, TypeVar
 
 from vaso.errors import PlanError, UnsupportedPlanError
+from vaso.plan.config import EPOCH, Config, Origin, Reader, Turn
 from vaso.plan.labelling import Commanded, Labelling, Outcome, Returned, Slept, Threw
 from vaso.plan.machine import Call, Continuation, Finished, Lookup, Machine, Raised, Stub, Throw
-from vaso.plan.source import FOUND, locate
+from vaso.plan.rewrite import FOUND
+from vaso.plan.source import locate
 from vaso.plan.trajectory import Histories, choose_track
 from vaso.plan.transition_system import Scalar
 from vaso.platforms import Issued, Platform
 
-EPOCH = 1024.0
-"""The virtual clock's first value; not 0, because plans test ``if not start_time``."""
+T = TypeVar("T")
 
 PLAN_FEED = 1
 READS_PER_STEP = 1_000
@@ -30,110 +29,11 @@ SETTLING = 500
 
 # Errors where the sandbox may differ from CPython, or that mean the text is not a program.
 _BROKEN = frozenset(
-    "NotImplementedError AttributeError TypeError NameError ImportError ModuleNotFoundError "
-    "SyntaxError MemoryError RecursionError SandboxCrash".split()
-)
-
-
-class Turn(StrEnum):
-    """Who acts next."""
-
-    POLL = "poll"
-    REPLY = "reply"
-    LABELLING = "labelling"
-    TRAJECTORY = "trajectory"
-    END = "end"
-    CUT = "cut"
-
-
-class Origin(StrEnum):
-    """How the command in force was issued."""
-
-    REST = "rest"
-    API = "api"
-    HELPER = "helper"
-    PLAN = "plan"
-    TRAJECTORY = "trajectory"
-
-
-@dataclass(frozen=True)
-class Config:
-    """A control state of the product of plan, labelling code and platform.
-
-    Attributes:
-        plan: Where the plan has stopped; None for one that has ended.
-        lab: Where the labelling code has stopped.
-        turn: Who acts next.
-        reply: What the plan's pending call will return.
-        waits: Further states in which the command stays in force (a sleep).
-        issued: The low-level command in force.
-        origin: How it was issued.
-        api: The function that the plan called for it.
-        call: That call as text.
-        world: State of the platform's dynamics.
-        history: Number of the set-point history (trajectory platforms).
-        tick: Number of periods since the start, where the plan may read the clock; else 0.
-        track: Which trajectory is flown, and the index of the next element.
-        moved: True once a command was issued.
-        line: Plan line that issued the command.
-        note: Remark for the reader.
-        settling: Periods since the plan's end.
-    """
-
-    plan: Continuation | None
-    lab: Continuation
-    turn: Turn
-    issued: Issued
-    world: Hashable
-    reply: Any = None
-    waits: int = 0
-    origin: Origin = Origin.REST
-    api: str = ""
-    call: str = ""
-    history: int = 0
-    tick: int = 0
-    track: tuple[int, int] | None = None
-    moved: bool = False
-    line: int | None = None
-    note: str = ""
-    settling: int = 0
-
-    @property
-    def key(self) -> tuple[Hashable, ...]:
-        """Identity: two configurations with equal keys behave alike and have equal labels."""
-        return (
-            self.plan.key if self.plan else None,
-            self.lab.key,
-            self.turn,
-            repr(self.reply),
-            self.waits,
-            self.issued,
-            self.origin,
-            self.api,
-            self.world,
-            self.history,
-            self.tick,
-            self.track,
-            self.moved,
-        )
-
-
-class Reader:
-    """Answers sensor reads from a partial valuation, and notes the choices it had to make."""
-
-    def __init__(self, valuation: dict[str, Scalar]) -> None:
-        self.valuation = valuation
-        self.alternatives: list[dict[str, Scalar]] = []
-        self.domains: dict[str, Sequence[Scalar]] = {}
-        self.reads: list[tuple[str, int | None]] = []
-
-    def ask(self, sensor: str, domain: Sequence[Scalar]) -> Scalar:
-        """The sensor's value in this state; the first of its domain if it is still open."""
-        self.domains[sensor] = domain
-        if sensor not in self.valuation:
-            self.alternatives += [{**self.valuation, sensor: v} for v in domain[1:]]
-            self.valuation = {**self.valuation, sensor: domain[0]}
-        return self.valuation[sensor]
+    {
+        "NotImplementedError", "AttributeError", "TypeError", "NameError", "ImportError",
+        "ModuleNotFoundError", "SyntaxError", "MemoryError", "RecursionError", "SandboxCrash"
+    }
+)  # fmt: skip
 
 
 class _LaterError(Exception):
@@ -142,6 +42,16 @@ class _LaterError(Exception):
 
 def _later(sensor: str, domain: Sequence[Scalar]) -> Scalar:
     raise _LaterError
+
+
+@dataclass(frozen=True, slots=True)
+class _Pending:
+    """A call of the plan that the labelling code is working on."""
+
+    plan: Continuation
+    api: str
+    text: str
+    line: int | None
 
 
 class Stepper:
@@ -197,10 +107,13 @@ class Stepper:
             return self._hold(here, settling=here.settling + 1)
         if here.turn is Turn.TRAJECTORY:
             return self._element(here)
+        assert here.plan is not None
         if here.turn is Turn.LABELLING:
             outcome = self.labelling.resume(here.lab, reader.ask, self._now(here))
-            return self._after(outcome, here, reader, here.plan, here.api, here.call, here.line)
-        assert here.plan is not None
+            call = _Pending(here.plan, here.api, here.call, here.line)
+            return self._period(outcome, call, here) or self._run(
+                *self._answered(outcome, call), here, reader
+            )
         if here.turn is Turn.REPLY:
             return self._run(self.machine.advance(here.plan, here.reply), here.lab, here, reader)
         return self._run(here.plan, here.lab, here, reader)
@@ -213,7 +126,9 @@ class Stepper:
         while True:
             event = at.event
             if isinstance(event, Finished):
-                return self._hold(here, plan=None, lab=lab, turn=Turn.END, note="the plan has ended")
+                return self._hold(
+                    here, plan=None, lab=lab, turn=Turn.END, note="the plan has ended"
+                )
             if isinstance(event, Raised):
                 return self._crash(event, here, lab)
             if isinstance(event, Lookup):
@@ -237,9 +152,8 @@ class Stepper:
             outcome = self.labelling.request(
                 lab, event.name, event.args, event.kwargs, reader.ask, self._now(here)
             )
-            return self._after(
-                outcome, here, reader, at, event.name, _show(event), event.line, nested=True
-            )
+            call = _Pending(at, event.name, _show(event), event.line)
+            return self._period(outcome, call, here) or self._answered(outcome, call)
         if sensor := self.platform.sensor(event.name):
             key = self._checked(event, lambda: sensor.key(event.args, event.kwargs))
             reader.reads.append((key, event.line))
@@ -251,7 +165,8 @@ class Stepper:
                 origin=Origin.PLAN, call=_show(event), line=event.line,
             )  # fmt: skip
         if event.name == "time.sleep":
-            periods = self._periods(event)
+            seconds = event.args[0] if event.args else 0.0
+            periods = self._checked(event, lambda: self.platform.periods(seconds))
             if periods <= 0:
                 return self.machine.advance(at, None), lab
             return self._hold(
@@ -263,34 +178,25 @@ class Stepper:
             return self._fly(event, at, lab, here)
         raise self._unknown(event)
 
-    def _after(
-        self,
-        outcome: Outcome,
-        here: Config,
-        reader: Reader,
-        plan: Continuation | None,
-        api: str,
-        call: str,
-        line: int | None,
-        nested: bool = False,
-    ) -> Any:
-        """Go on after the labelling code has returned, raised, sent a command, or slept."""
-        assert plan is not None
+    def _period(self, outcome: Outcome, call: _Pending, here: Config) -> Config | None:
+        """The next state, if the labelling code has sent a command or sleeps."""
         if isinstance(outcome, Commanded):
-            origin = Origin.API if api in self.actions else Origin.HELPER
-            after = self._finish(outcome, here)
+            origin = Origin.API if call.api in self.actions else Origin.HELPER
             return self._issue(
-                here, outcome.issued, plan=plan, api=api, call=call, line=line, origin=origin,
-                **after,
+                here, outcome.issued, plan=call.plan, api=call.api, call=call.text, line=call.line,
+                origin=origin, **self._finish(outcome, here),
             )  # fmt: skip
         if isinstance(outcome, Slept):
-            waits = max(0, self._count(outcome.seconds) - 1)
             return self._hold(
-                here, plan=plan, lab=outcome.at, turn=Turn.LABELLING, waits=waits, api=api, line=line
-            )
+                here, plan=call.plan, lab=outcome.at, turn=Turn.LABELLING,
+                waits=outcome.periods - 1, api=call.api, call=call.text, line=call.line,
+            )  # fmt: skip
+        return None
+
+    def _answered(self, outcome: Outcome, call: _Pending) -> tuple[Continuation, Continuation]:
+        """Hand the labelling code's answer, or its exception, to the plan."""
         reply = outcome.value if isinstance(outcome, Returned) else _throw(outcome)
-        at = self.machine.advance(plan, reply)
-        return (at, outcome.at) if nested else self._run(at, outcome.at, here, reader)
+        return self.machine.advance(call.plan, reply), outcome.at
 
     def _finish(self, outcome: Commanded, here: Config) -> dict[str, Any]:
         """What remains after a command: usually the function just returns to the plan."""
@@ -311,9 +217,7 @@ class Stepper:
         same = world == here.world and issued == here.issued
         history = here.history if same else self.histories.extend(here.history, issued)
         usual = {"tick": self._tick(here), "waits": 0, "moved": True, "note": ""}
-        return replace(
-            here, issued=issued, world=world, history=history, **{**usual, **changes}
-        )
+        return replace(here, issued=issued, world=world, history=history, **{**usual, **changes})
 
     def _hold(self, here: Config, **changes: Any) -> Config:
         """The command in force stays in force for another period."""
@@ -337,7 +241,9 @@ class Stepper:
             note="the trajectory's last set-point" if last else "",
         )  # fmt: skip
 
-    def _fly(self, event: Call, at: Continuation, lab: Continuation, here: Config) -> Any:
+    def _fly(
+        self, event: Call, at: Continuation, lab: Continuation, here: Config
+    ) -> Config | tuple[Continuation, Continuation]:
         """Start the trajectory that the plan has built, unless it has sent commands itself."""
         lists, marks = event.args
         track = None if here.moved else choose_track(lists, marks, self.platform, self.name)
@@ -361,7 +267,9 @@ class Stepper:
             outcome = self.labelling.request(
                 lab, f"={event.name}", (), {}, reader.ask, self._now(here)
             )
-            return outcome.value if isinstance(outcome, Returned) else Throw("NameError", event.name)
+            return (
+                outcome.value if isinstance(outcome, Returned) else Throw("NameError", event.name)
+            )
         known = self.platform.sensor(event.name) or self.platform.command(event.name)
         if known or event.name in self.labelling.functions:
             return Stub(event.name)
@@ -379,7 +287,9 @@ class Stepper:
             return self._cut(what, line, False, here, lab)
         at = f"line {line}: " if line else ""
         self.warnings[f"{at}{what}; the last command stays in force"] = None
-        return self._hold(here, plan=None, lab=lab, turn=Turn.END, note=f"the plan has ended: {event.error}")
+        return self._hold(
+            here, plan=None, lab=lab, turn=Turn.END, note=f"the plan has ended: {event.error}"
+        )
 
     def _cut(
         self, reason: str, line: int | None, supported: bool, here: Config, lab: Continuation
@@ -387,7 +297,7 @@ class Stepper:
         self.cut_reasons.append((reason, line, supported))
         return self._hold(here, plan=None, lab=lab, turn=Turn.CUT, note=reason)
 
-    def _checked(self, event: Call, run: Any) -> Any:
+    def _checked(self, event: Call, run: Callable[[], T]) -> T:
         try:
             return run()
         except PlanError as error:
@@ -413,15 +323,6 @@ class Stepper:
 
     def _tick(self, here: Config) -> int:
         return here.tick + 1 if self.clock else 0
-
-    def _periods(self, event: Call) -> int:
-        seconds = event.args[0] if event.args else 0.0
-        return self._count(float(seconds))
-
-    def _count(self, seconds: float) -> int:
-        if not math.isfinite(seconds):
-            raise PlanError(f"time.sleep({seconds}) never ends", source=self.name)
-        return math.ceil(round(seconds / self.platform.dt, 6))
 
 
 def _throw(outcome: Any) -> Throw:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, TypeAlias
 
 from vaso.errors import PlanError
-from vaso.plan.source import VALUE
+from vaso.plan.rewrite import VALUE
 from vaso.platforms import Issued, Platform
 from vaso.platforms.model import Value
 

@@ -8,7 +8,7 @@ pair exactly one control state follows, and the sensors are free again there.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
@@ -78,6 +78,15 @@ class State:
     note: str = ""
     cut: bool = False
 
+    def label(self, valuation: Guard, names: Iterable[str] | None = None) -> dict[str, Label]:
+        """The value of every proposition (or of those named) under a sensor valuation."""
+        chosen = {*self.labels, *self.observed} if names is None else set(names)
+        values = {name: value for name, value in self.labels.items() if name in chosen}
+        for name, cases in self.observed.items():
+            if name in chosen:
+                values[name] = next(c.value for c in cases if covers(c.guard, valuation))
+        return values
+
 
 @dataclass(frozen=True, slots=True)
 class Cut:
@@ -135,8 +144,15 @@ class TransitionSystem:
         return all(len(out) == 1 for out in self.edges)
 
     def sensor(self, name: str) -> Sensor:
-        """The sensor with this name."""
-        return next(s for s in self.sensors if s.name == name)
+        """The sensor with this name.
+
+        Raises:
+            LookupError: There is none.
+        """
+        for sensor in self.sensors:
+            if sensor.name == name:
+                return sensor
+        raise LookupError(f"{name} is not a sensor of this system")
 
     def step(self, state: int, valuation: Guard) -> Edge:
         """The edge taken from ``state`` under a sensor valuation.
@@ -151,11 +167,7 @@ class TransitionSystem:
 
     def label(self, state: int, valuation: Guard) -> dict[str, Label]:
         """L(s): the value of every proposition in a state under a sensor valuation."""
-        here = self.states[state]
-        values = dict(here.labels)
-        for name, cases in here.observed.items():
-            values[name] = next(c.value for c in cases if covers(c.guard, valuation))
-        return values
+        return self.states[state].label(valuation)
 
     def valuations(self, names: Sequence[str] | None = None) -> Iterator[dict[str, Scalar]]:
         """Every valuation of the named sensors (all of them by default)."""
@@ -170,19 +182,36 @@ class TransitionSystem:
         on every system before a verifier sees it.
 
         Raises:
-            LookupError: Some valuation of the sensors is covered by no edge, or by two.
+            LookupError: Some valuation of the sensors is covered by no edge, or by two; a sensor
+                has no values; or an edge leads nowhere.
         """
+        if not self.states or len(self.edges) != len(self.states):
+            raise LookupError(f"{len(self.states)} states, {len(self.edges)} sets of edges")
+        for sensor in self.sensors:
+            if len(set(sensor.domain)) != len(sensor.domain) or not sensor.domain:
+                raise LookupError(f"sensor {sensor.name} has the domain {sensor.domain}")
+        for index, out in enumerate(self.edges):
+            if not all(0 <= e.target < len(self.states) for e in out):
+                raise LookupError(f"state {index}: an edge leads to a state that does not exist")
         for index, out in enumerate(self.edges):
             self._check_partition(index, "edge", [e.guard for e in out])
             for name, cases in self.states[index].observed.items():
                 self._check_partition(index, f"label {name}", [c.guard for c in cases])
 
     def _check_partition(self, state: int, what: str, guards: Sequence[Guard]) -> None:
-        names = sorted({n for g in guards for n in g})
-        for valuation in self.valuations(names):
-            count = sum(covers(g, valuation) for g in guards)
-            if count != 1:
-                raise LookupError(f"state {state}: {count} {what} cases under {valuation}")
+        """Split by the sensors that are mentioned until one guard, and only one, is left."""
+        pending: list[tuple[dict[str, Scalar], list[Guard]]] = [({}, list(guards))]
+        while pending:
+            valuation, left = pending.pop()
+            open_sensors = (name for g in left for name in g if name not in valuation)
+            name = next(open_sensors, None)
+            if name is None:
+                if len(left) != 1:
+                    raise LookupError(f"state {state}: {len(left)} {what} cases under {valuation}")
+                continue
+            for value in self.sensor(name).domain:
+                agreeing = [g for g in left if name not in g or g[name] == value]
+                pending.append(({**valuation, name: value}, agreeing))
 
 
 def covers(guard: Guard, valuation: Guard) -> bool:

@@ -15,7 +15,7 @@ from vaso.platforms.model import (
 
 
 class JackalDynamics:
-    """The base follows its velocity command within a control period, so the command is the state."""
+    """The base follows its command within a period, so the command is the state."""
 
     def initial(self) -> Issued:
         """Zero velocity."""
@@ -64,7 +64,7 @@ ACTIONS = ("forward", "backward", "stop", "turn_left", "turn_right")
 
 platform = Platform(
     name="jackal",
-    description="Clearpath Jackal, a ground robot with a velocity controller and an object detector.",
+    description="Clearpath Jackal, a ground robot with velocity control and an object detector.",
     dt=0.1,
     commands=(VELOCITY,),
     sensors=(

@@ -82,7 +82,10 @@ class Command(BaseModel):
         given = dict(zip(names, args, strict=False))
         for key, value in kwargs.items():
             if key not in names or key in given:
-                raise PlanError(f"{self.name} does not take '{key}' (twice)", expected=self.signature)
+                raise PlanError(
+                    f"{self.name} does not take '{key}'" + (" twice" if key in given else ""),
+                    expected=self.signature,
+                )
             given[key] = value
         return Issued(
             name=self.name,
@@ -178,10 +181,11 @@ class Platform(BaseModel):
         exclusions: Groups of action propositions of which at most one holds in any state.
         dynamics: Computes the true propositions.
         trajectory: For platforms whose plans may be a list of set-points: the command that each
-            element of the list stands for (its single vector parameter takes the element).
-        history_names: Parameter names in labelling code that stand for the list of set-points so far
-            (from the one at rest), the current set-point and the previous one.
-        quantities: Default limits and facts a planner may use, by name (``max_speed_mps``).
+            element stands for (its single vector parameter takes the element).
+        history_names: Parameter names in labelling code that stand for the list of set-points
+            so far, from the one at rest on.
+        current_names: Parameter names that stand for the set-point in force.
+        previous_names: Parameter names that stand for the set-point before it.
     """
 
     model_config = ConfigDict(frozen=True, arbitrary_types_allowed=True)
@@ -215,6 +219,14 @@ class Platform(BaseModel):
     def proposition(self, name: str) -> PropositionSpec | None:
         """The standard proposition with this name, if there is one."""
         return next((p for p in self.propositions if p.name == name), None)
+
+    def periods(self, seconds: float) -> int:
+        """How many control periods a sleep lasts: ceil(seconds / dt), and none for zero or less.
+
+        Raises:
+            PlanError: The duration is not a finite number.
+        """
+        return max(0, math.ceil(round(_number(seconds, "a duration in seconds") / self.dt, 6)))
 
     @property
     def phrases(self) -> dict[str, str]:

@@ -39,7 +39,7 @@ class Px4Dynamics:
         return Flight(0.0, 0.0, (0.0, 0.0, 0.0), 0.0)
 
     def step(self, state: Flight, command: Issued) -> Flight:
-        """One period under a velocity set-point: altitude falls by down x dt, to 0 at the lowest."""
+        """One period under a velocity set-point: altitude falls by down x dt, at most to 0."""
         velocity = command["velocity"]
         assert isinstance(velocity, tuple)
         altitude = max(0.0, round(state.altitude - velocity[2] * PERIOD, NANO))
@@ -65,7 +65,7 @@ VELOCITY = Command(
 
 platform = Platform(
     name="px4",
-    description="PX4 quadcopter in offboard mode, flown by NED velocity set-points once per second.",
+    description="PX4 quadcopter in offboard mode, flown by NED velocity set-points at 1 Hz.",
     dt=PERIOD,
     commands=(VELOCITY,),
     rest=VELOCITY.issue(((0.0, 0.0, 0.0),), {}),

@@ -1,0 +1,116 @@
+"""A control state of plan, labelling code and platform, and how a step reads its sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any
+
+from vaso.plan.machine import Continuation
+from vaso.plan.transition_system import Scalar
+from vaso.platforms import Issued
+
+EPOCH = 1024.0
+"""The virtual clock's first value; not 0, because plans test ``if not start_time``."""
+
+
+class Turn(StrEnum):
+    """Who acts next."""
+
+    POLL = "poll"
+    REPLY = "reply"
+    LABELLING = "labelling"
+    TRAJECTORY = "trajectory"
+    END = "end"
+    CUT = "cut"
+
+
+class Origin(StrEnum):
+    """How the command in force was issued."""
+
+    REST = "rest"
+    API = "api"
+    HELPER = "helper"
+    PLAN = "plan"
+    TRAJECTORY = "trajectory"
+
+
+@dataclass(frozen=True)
+class Config:
+    """A control state of the product of plan, labelling code and platform.
+
+    Attributes:
+        plan: Where the plan has stopped; None for one that has ended.
+        lab: Where the labelling code has stopped.
+        turn: Who acts next.
+        reply: What the plan's pending call will return.
+        waits: Further states in which the command stays in force (a sleep).
+        issued: The low-level command in force.
+        origin: How it was issued.
+        api: The function that the plan called for it.
+        call: That call as text.
+        world: State of the platform's dynamics.
+        history: Number of the set-point history (trajectory platforms).
+        tick: Number of periods since the start, where the plan may read the clock; else 0.
+        track: Which trajectory is flown, and the index of the next element.
+        moved: True once a command was issued.
+        line: Plan line that issued the command.
+        note: Remark for the reader.
+        settling: Periods since the plan's end.
+    """
+
+    plan: Continuation | None
+    lab: Continuation
+    turn: Turn
+    issued: Issued
+    world: Hashable
+    reply: Any = None
+    waits: int = 0
+    origin: Origin = Origin.REST
+    api: str = ""
+    call: str = ""
+    history: int = 0
+    tick: int = 0
+    track: tuple[int, int] | None = None
+    moved: bool = False
+    line: int | None = None
+    note: str = ""
+    settling: int = 0
+
+    @property
+    def key(self) -> tuple[Hashable, ...]:
+        """Identity: two configurations with equal keys behave alike and have equal labels."""
+        return (
+            self.plan.key if self.plan else None,
+            self.lab.key,
+            self.turn,
+            repr(self.reply),
+            self.waits,
+            self.issued,
+            self.origin,
+            self.api,
+            self.world,
+            self.history,
+            self.tick,
+            self.track,
+            self.moved,
+        )
+
+
+class Reader:
+    """Answers sensor reads from a partial valuation, and notes the choices it had to make."""
+
+    def __init__(self, valuation: dict[str, Scalar]) -> None:
+        self.valuation = valuation
+        self.alternatives: list[dict[str, Scalar]] = []
+        self.domains: dict[str, Sequence[Scalar]] = {}
+        self.reads: list[tuple[str, int | None]] = []
+
+    def ask(self, sensor: str, domain: Sequence[Scalar]) -> Scalar:
+        """The sensor's value in this state; the first of its domain if it is still open."""
+        self.domains[sensor] = domain
+        if sensor not in self.valuation:
+            self.alternatives += [{**self.valuation, sensor: v} for v in domain[1:]]
+            self.valuation = {**self.valuation, sensor: domain[0]}
+        return self.valuation[sensor]
