@@ -17,6 +17,8 @@ all), ``slice`` (seconds without a message, once the model is loaded) and ``memo
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import gc
 import json
 import os
@@ -30,6 +32,7 @@ from typing import Any, NoReturn
 
 OPTIONS = ("set dynamic_reorder 1",)
 STDERR_TAIL = 20_000
+PR_SET_PDEATHSIG = 1
 
 
 def main() -> None:
@@ -93,7 +96,9 @@ def serve(nusmv: NuSMV, request: dict[str, Any], requests: int, responses: int) 
     source, sink = os.pipe()
     child = os.fork()
     if child == 0:
-        os.close(source)
+        die_with_parent()
+        for fd in (source, requests, responses):
+            os.close(fd)
         run_child(nusmv, request, sink, log)
     os.close(sink)
     try:
@@ -109,6 +114,12 @@ def serve(nusmv: NuSMV, request: dict[str, Any], requests: int, responses: int) 
     finally:
         os.close(source)
         os.close(log)
+
+
+def die_with_parent() -> None:
+    """Have the kernel kill this process when its parent is gone (Linux only)."""
+    with contextlib.suppress(OSError, AttributeError):
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
 
 
 def relay(request: dict[str, Any], child: int, source: int, requests: int, responses: int) -> bool:
@@ -141,10 +152,12 @@ def describe_exit(status: int) -> str:
     """How a child ended, in words."""
     if os.WIFSIGNALED(status):
         return f"NuSMV was stopped by {signal.Signals(os.WTERMSIG(status)).name}"
-    return f"NuSMV left with code {os.WEXITSTATUS(status)}"
+    return "NuSMV gave up, probably for lack of memory"
 
 
-_NOISE = re.compile(r"^(aborting|an error occured during|\*{4}|in definition of \S+ at line)", re.I)
+_NOISE = re.compile(
+    r"^(\W*$|aborting|an error occured during|\*{4}|in definition of \S+ at line)", re.I
+)
 _FILE = re.compile(r"(TYPE ERROR )?file \S+?: ")
 
 
@@ -162,18 +175,20 @@ def complaint(log: int) -> str:
 
 def run_child(nusmv: NuSMV, request: dict[str, Any], sink: int, log: int) -> NoReturn:
     """Answer one request and leave without any clean-up."""
-    code = 0
+    code = 1
     try:
         os.dup2(log, 2)
         memory = request["memory_mb"] << 20
         resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         answer(nusmv, request, sink)
+        code = 0
+    except MemoryError:
+        pass  # not even enough to say so
     except Exception as error:
         text = complaint(log) or " ".join(str(error).split()) or type(error).__name__
         send(sink, {"error": text})
-    except BaseException:
-        code = 1
+        code = 0
     finally:
         os._exit(code)
 

@@ -231,15 +231,14 @@ class _Run:
         """Run the program on a model, with marks between the sections of its output."""
         mark = f"vaso-{secrets.token_hex(8)}"
         with tempfile.TemporaryDirectory(prefix="vaso-") as folder:
-            path = Path(folder, "model.smv")
-            path.write_text(model, encoding="utf-8")
+            Path(folder, "model.smv").write_text(model, encoding="utf-8")
             commands = [
                 *self.engine.options,
                 "set keep_single_value_vars",
                 "set default_trace_plugin 4",
                 "unset traces_show_defines",
                 f"set traces_hiding_prefix {mark}",
-                f"read_model -i {path}",
+                "read_model -i model.smv",
                 "go",
             ]
             for name, command in sections.items():

@@ -104,7 +104,8 @@ class _Round:
     def __init__(self, job: _Job, queue: deque[int], share: float, last_try: bool) -> None:
         self.job, self.queue, self.last_try = job, queue, last_try
         self.slice = max(0.05, job.left * share)
-        self.loaded = False
+        self.loaded = self.stopped = False
+        self.tracing: int | None = None  # the formula whose trace is being computed
         self.started = time.monotonic()
 
     def run(self) -> None:
@@ -129,33 +130,40 @@ class _Round:
         }
 
     def _take(self, message: dict[str, Any]) -> None:
-        known = self.job.known
         if "loaded" in message:
             self.loaded, self.started = True, time.monotonic()
         elif "invalid" in message:
             self.job.decide_all(message["invalid"])
         elif "spec" in message:
-            reason = "" if message["holds"] or not self.job.traces else "no trace was found in time"
-            known[message["spec"]] = SMVAnswer(message["holds"], message["seconds"], reason=reason)
-            self.queue.remove(message["spec"])
-            self.started = time.monotonic()
+            self._take_verdict(message["spec"], message["holds"], message["seconds"])
         elif "trace" in message:
-            found = known[message["trace"]]
-            known[message["trace"]] = SMVAnswer(found.holds, found.seconds, _trace(message))
+            self._amend(message["trace"], trace=_trace(message))
         elif "no_trace" in message:
-            found = known[message["no_trace"]]
-            known[message["no_trace"]] = replace(found, reason=message["reason"])
+            self._amend(message["no_trace"], reason=message["reason"])
         elif "error" in message:
             self._stop(message["error"])
         elif message["end"] == "timeout":
             self._time_out()
-        elif message["end"] == "crash":
-            self._stop(message["detail"])
+        elif message["end"] == "crash" or (self.queue and not self.stopped):
+            self._stop(message["detail"] or "NuSMV ended early")
+
+    def _take_verdict(self, number: int, holds: bool, seconds: float) -> None:
+        self.job.known[number] = SMVAnswer(holds, seconds)
+        self.queue.remove(number)
+        self.tracing = number if self.job.traces and not holds else None
+        self.started = time.monotonic()
+
+    def _amend(self, number: int, *, trace: SMVTrace | None = None, reason: str = "") -> None:
+        self.job.known[number] = replace(self.job.known[number], trace=trace, reason=reason)
+        self.tracing = None
 
     def _stop(self, reason: str) -> None:
         """The formula in progress is undecided for good; without a model, all of them are."""
+        self.stopped = True
         if not self.loaded:
             self.job.decide_all(reason)
+        elif self.tracing is not None:
+            self._amend(self.tracing, reason=f"no trace: {reason}")
         elif self.queue:
             seconds = time.monotonic() - self.started
             self.job.known[self.queue.popleft()] = SMVAnswer(None, seconds, reason=reason)
@@ -163,10 +171,10 @@ class _Round:
     def _time_out(self) -> None:
         if not self.loaded:
             self.job.decide_all("time-out while loading the model")
-        elif self.queue and self.last_try:
-            self._stop(_TIME_OUT)
-        elif self.queue:
+        elif self.queue and self.tracing is None and not self.last_try:
             self.job.hung.append(self.queue.popleft())
+        else:
+            self._stop(_TIME_OUT)
 
 
 def _trace(message: dict[str, Any]) -> SMVTrace:
