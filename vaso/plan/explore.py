@@ -175,6 +175,7 @@ class _Exploration:
                 self.edges[number] = (Edge({}, number),)
             else:
                 self.queue.append(number)
+                self.stepper.look_ahead(config)
         return number
 
     def _state(self, config: Config) -> State:
