@@ -57,7 +57,7 @@ def test_the_two_engines_agree_and_traces_are_real(graph, specs):
 
 
 @pytest.mark.slow
-@settings(deadline=None, max_examples=3000)
+@settings(deadline=None, max_examples=1000)
 @given(graphs(), st.lists(formulas, min_size=1, max_size=8))
 def test_the_two_engines_agree_for_long(graph, specs):
     agree(graph, specs)

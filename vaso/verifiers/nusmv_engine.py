@@ -7,6 +7,7 @@ import os
 import re
 import resource
 import secrets
+import select
 import shutil
 import signal
 import subprocess
@@ -277,16 +278,16 @@ class _Run:
 
 def _wait(process: subprocess.Popen[bytes], deadline: float) -> str:
     """Wait for the program, at most until the deadline; how it ended, where not by itself."""
+    handle = os.pidfd_open(process.pid)  # Popen.wait would sleep past the end of a short run
     try:
-        code = process.wait(max(0.0, deadline - time.monotonic()))
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
+        in_time = select.select([handle], [], [], max(0.0, deadline - time.monotonic()))[0]
+    finally:
+        os.close(handle)
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    code = process.wait()
+    if not in_time:
         return "time-out"
-    except BaseException:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        raise
     if code < 0:
         return f"NuSMV was stopped by {signal.Signals(-code).name}"
     return f"NuSMV left with code {code}" if code else ""
