@@ -279,8 +279,10 @@ class _Run:
 def _wait(process: subprocess.Popen[bytes], deadline: float) -> str:
     """Wait for the program, at most until the deadline; how it ended, where not by itself."""
     handle = os.pidfd_open(process.pid)  # Popen.wait would sleep past the end of a short run
+    poll = select.poll()
+    poll.register(handle, select.POLLIN)
     try:
-        in_time = select.select([handle], [], [], max(0.0, deadline - time.monotonic()))[0]
+        in_time = poll.poll(max(0.0, deadline - time.monotonic()) * 1000)
     finally:
         os.close(handle)
         if process.poll() is None:
