@@ -92,7 +92,8 @@ def _by_sensors(system: TransitionSystem, state: State, atom: Atom, names: Seque
 
 
 def _in_state(error: FormulaError, system: TransitionSystem, number: int) -> FormulaError:
-    labelled = ", ".join(sorted(system.propositions)) or "none"
+    names = sorted(name for name in system.propositions if not name.startswith("__"))
+    labelled = ", ".join(names) or "none"
     where = "" if number == 0 else f" (in state {number})"
     return FormulaError(
         f"{error.message}{where}",
