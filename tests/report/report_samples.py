@@ -1,5 +1,8 @@
 """Hand-made results, so that the views are tested without a model checker."""
 
+from vaso.optimizers import Case, LossValue, OptimizationResult, Parameters, Spent, StepRecord
+from vaso.optimizers.result import Tried
+from vaso.skill import Rule, Skill
 from vaso.verdict import Counterexample, Problem, SpecResult, Step, Verdict, VerificationResult
 
 DRIVE_PLAN = """\
@@ -108,4 +111,62 @@ def broken_result() -> VerificationResult:
         specs=(),
         plan="if a() \n    or b():\n",
         problem=Problem("input", "plan:1: the plan is not Python: expected ':'", 1),
+    )
+
+
+FIXED_PLAN = DRIVE_PLAN.replace("break", "stop()")
+
+
+def drive_skill() -> Skill:
+    return Skill(
+        name="drive",
+        description="Drives ahead.",
+        global_rules=(Rule(text="G(people_observed -> X stop)"),),
+        local_rules=(Rule(text=LIVENESS, role="local"),),
+        labelling_code="def stop():\n    velocity_publisher(0.0)\n",
+        plan_template=DRIVE_PLAN,
+    )
+
+
+def optimization_result(*, verified: bool = True) -> OptimizationResult:
+    before = Parameters(drive_skill())
+    after = before.replace({"plan_template": FIXED_PLAN})
+    steps = (
+        StepRecord(
+            step=1,
+            accepted=False,
+            safety=0.5,
+            completion=1.0,
+            violated=(LIVENESS,),
+            gradient="violates the rule <b>",
+            tried=(Tried(note="line 3: nothing", reason="safety would fall", score=0.25),),
+            tried_count=7,
+        ),
+        StepRecord(
+            step=2,
+            accepted=True,
+            safety=1.0 if verified else 0.75,
+            completion=1.0,
+            violated=() if verified else (LIVENESS,),
+            gradient="violates the rule again",
+            note="line 3: replace break by stop()",
+            diff=before.diff(after),
+        ),
+        StepRecord(step=3, accepted=False, safety=0.75, completion=1.0, error="no answer"),
+    )
+    result = drive_result()
+    value = LossValue(result.safety, lambda: None, result=result, plan=FIXED_PLAN)  # type: ignore[arg-type,return-value]
+    broken = LossValue.malformed({"plan_template": "line 1 is not Python"})
+    return OptimizationResult(
+        optimizer="repair",
+        params=after,
+        initial=before,
+        values={Case("drive <3> meters"): value, Case("turn"): broken},
+        verified=verified,
+        safety_before=0.5,
+        safety=1.0 if verified else 0.75,
+        completion=1.0,
+        steps=steps[:2] if verified else steps,
+        spent=Spent(steps=2, loss_calls=9, memo_hits=3, seconds=1.5),
+        stop_reason="every task is verified" if verified else "the budget of 3 steps is spent",
     )

@@ -1,8 +1,8 @@
 import dataclasses
 import re
-from html.parser import HTMLParser
 
 import pytest
+from html_check import check
 from report_samples import DRIVE_PLAN, broken_result, climb_counterexample, drive_result, spec
 
 from vaso.plan.transition_system import Edge, State, TransitionSystem
@@ -13,38 +13,6 @@ from vaso.skill import Rule, Skill
 from vaso.verdict import Verdict
 
 PEOPLE = "yolo_listener('people')"
-VOID = {"br", "meta", "line", "rect", "circle", "path", "polyline"}
-
-
-class Checker(HTMLParser):
-    """Collects the tags, and fails on one that is not closed."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.tags: list[str] = []
-        self.text = ""
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append(tag)
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag, attrs):
-        self.tags.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        self.text += data
-
-
-def check(page: str) -> Checker:
-    checker = Checker()
-    checker.feed(page)
-    assert checker.open == []
-    return checker
 
 
 def two_states() -> TransitionSystem:

@@ -1,8 +1,8 @@
 import dataclasses
 
-from report_samples import DRIVE_PLAN, climb_counterexample, drive_counterexample
+from report_samples import DRIVE_PLAN, climb_counterexample, drive_counterexample, drive_result
 
-from vaso.report.trace import FOR_EVER, blamed_lines, concerned, short_sensor, trace_table
+from vaso.report.trace import FOR_EVER, blame_of, concerned, marks_of, short_sensor, trace_table
 
 
 def test_sensor_columns_stand_for_the_propositions_they_decide():
@@ -47,10 +47,11 @@ def test_no_gap_of_a_single_step():
     assert all(r.skipped != 1 for r in rows)
 
 
-def test_blame_is_the_line_in_force_at_the_violation_or_in_the_loop():
-    assert blamed_lines(climb_counterexample()) == {4: "runs in step 10"}
-    assert list(blamed_lines(drive_counterexample())) == [6]
+def test_the_lines_to_blame_are_marked():
+    (blame,) = blame_of(drive_result()).values()
+    assert marks_of(blame)[6] == "to blame"
     assert DRIVE_PLAN.splitlines()[5] == "stop()"
+    assert marks_of(None) == {}
 
 
 def test_short_sensor():

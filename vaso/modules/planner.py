@@ -44,7 +44,8 @@ class MendPlan(WritePlan):
 class Planner(dspy.Module):  # type: ignore[misc]
     """Writes a plan for a task, guided by the template of a skill.
 
-    Calling it gives a ``dspy.Prediction`` with a field ``plan`` (:class:`~vaso.plan.Plan`). A
+    Calling it gives a ``dspy.Prediction`` with the field ``plan`` (:class:`~vaso.plan.Plan`), and
+    that plan's ``source`` and ``task``, so that it passes for a plan where one is expected. A
     reply that is not Python is sent back with the error; one that still is not is returned as it
     is, and verifying it says what is wrong with it.
     """
@@ -83,7 +84,7 @@ class Planner(dspy.Module):  # type: ignore[misc]
                 break
             reply = ask(self.mend, "plan", **inputs, rejected=source, error=error)
             source = code_of(reply) or source
-        return dspy.Prediction(plan=Plan(source=source, task=prompt))
+        return dspy.Prediction(plan=Plan(source=source, task=prompt), source=source, task=prompt)
 
 
 def syntax_error(source: str) -> str:

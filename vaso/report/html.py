@@ -9,13 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from vaso.plan.transition_system import TransitionSystem
 from vaso.report.listing import listing
-from vaso.report.markup import Markup, el
+from vaso.report.markup import Markup, el, join
 from vaso.report.page import page
 from vaso.report.pieces import (
     automaton_section,
-    marked_lines,
+    drawing,
     problem_banner,
+    problem_line,
     rule_rows,
     verdict_facts,
     violations,
@@ -82,10 +84,21 @@ def verification_html(result: VerificationResult) -> str:
         problem_banner(result),
         rule_rows(result.specs),
         violations(result),
-        el("h2", "Plan"),
-        listing(result.plan, marked_lines(result)),
+        _plan(result),
         automaton_section(result),
     )
+
+
+def _plan(result: VerificationResult) -> Markup:
+    if any(s.counterexample for s in result.specs):
+        return Markup()
+    return join(el("h2", "Plan"), listing(result.plan, problem_line(result)))
+
+
+def plan_html(system: TransitionSystem) -> str:
+    """A page that shows a plan and what it can do."""
+    title = "What the plan can do"
+    return page(title, el("h1", title), listing(system.source), drawing(system))
 
 
 def optimization_html(result: OptimizationResult) -> str:

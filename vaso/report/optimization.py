@@ -78,14 +78,15 @@ def _rule_table(result: OptimizationResult) -> Markup:
         for spec in outcome.specs:
             found.setdefault(spec.spec, []).append(spec.verdict)
             english[spec.spec] = spec.english
-    rows = [_rule_row(rule, english[rule], verdicts) for rule, verdicts in found.items()]
+    tasks = len(result.values)
+    rows = [_rule_row(rule, english[rule], verdicts, tasks) for rule, verdicts in found.items()]
     return el("div", rows, cls="card")
 
 
-def _rule_row(rule: str, english: str, verdicts: list[Verdict]) -> Markup:
+def _rule_row(rule: str, english: str, verdicts: list[Verdict], tasks: int) -> Markup:
     worst = next(v for v in ORDER if v in verdicts)
     text = [el("p", el("code", rule)), el("p", english, cls="soft")]
-    count = f"{sum(map(bool, verdicts))} of {len(verdicts)} tasks"
+    count = f"{sum(map(bool, verdicts))} of {tasks} tasks"
     return el(
         "div",
         el("div", verdict_badge(worst)),
@@ -133,10 +134,11 @@ def _case(case: Case, value: LossValue, unfolded: bool) -> Markup:
     if outcome is not None:
         body += [verdict_facts(outcome), problem_banner(outcome), rule_rows(outcome.specs)]
         body.append(violations(outcome))
-    body.append(listing(value.plan))
+    if outcome is None or not any(s.counterexample for s in outcome.specs):
+        body.append(listing(value.plan))
     if outcome is not None and unfolded:
         body.append(automaton_section(outcome))
-    return _folded(case.task or "(no task)", join(body), unfolded)
+    return el("div", _folded(case.task or "(no task)", join(body), unfolded), cls="card")
 
 
 def _folded(title: str, content: Markup, unfolded: bool = False) -> Markup:

@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
+from vaso.plan.transition_system import TransitionSystem
 from vaso.report.graph import automaton_svg
+from vaso.report.listing import listing
 from vaso.report.markup import Markup, el, join
 from vaso.report.timeline import timeline
-from vaso.report.trace import blamed_lines, seconds
+from vaso.report.trace import blame_of, marks_of, seconds
 from vaso.verdict import SpecResult, Verdict, VerificationResult
+
+if TYPE_CHECKING:
+    from vaso.gradient.blame import Blame
 
 SYMBOLS = {
     Verdict.PASS: "✓ PASS",
@@ -66,42 +72,45 @@ def _spec_row(spec: SpecResult) -> Markup:
 
 
 def violations(result: VerificationResult) -> Markup:
-    """For each violated rule, a behaviour of the plan that violates it."""
-    return join([_violation(s) for s in result.specs if s.counterexample])
+    """For each violated rule, a behaviour of the plan that violates it, and the lines to blame."""
+    blames = blame_of(result)
+    return join(
+        [
+            _violation(s, result.plan, blames.get(s.formula))
+            for s in result.specs
+            if s.counterexample
+        ]
+    )
 
 
-def _violation(spec: SpecResult) -> Markup:
+def _violation(spec: SpecResult, plan: str, blame: Blame | None) -> Markup:
     assert spec.counterexample is not None
     return el(
         "div",
         el("h3", "✗ ", el("code", spec.spec)),
         el("p", f"The rule says: {spec.english}. The plan can do this instead:"),
         timeline(spec.counterexample),
+        el("p", blame.text) if blame and blame.text else None,
+        listing(plan, marks_of(blame)),
         cls="card",
     )
 
 
-def marked_lines(result: VerificationResult) -> dict[int, str]:
-    """Plan lines to mark, each with the reason: where a problem is, and what violates a rule."""
+def problem_line(result: VerificationResult) -> dict[int, str]:
+    """The plan line of a problem, to be marked."""
     problem = result.problem
-    marks = {problem.line: "here"} if problem and problem.line else {}
-    for spec in result.specs:
-        if spec.counterexample:
-            marks |= blamed_lines(spec.counterexample)
-    return marks
+    return {problem.line: "here"} if problem and problem.line else {}
 
 
 def automaton_section(result: VerificationResult) -> Markup:
     """The drawing of the plan's automaton, if there is one."""
-    if result.system is None:
-        return Markup()
-    return join(
-        el("h2", "Automaton"),
-        el(
-            "p",
-            f"What the plan can do, one step every {result.system.dt:g} s. A box is a command; "
-            "“if” says which sensor readings lead to it.",
-            cls="soft",
-        ),
-        automaton_svg(result.system),
+    return Markup() if result.system is None else drawing(result.system)
+
+
+def drawing(system: TransitionSystem) -> Markup:
+    """An automaton with a word on how to read it."""
+    meaning = (
+        f"What the plan can do, one step every {system.dt:g} s. A box is a command; “if” says "
+        "which sensor readings lead to it."
     )
+    return join(el("h2", "Automaton"), el("p", meaning, cls="soft"), automaton_svg(system))

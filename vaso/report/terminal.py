@@ -16,10 +16,11 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from vaso.report.trace import Row, blamed_lines, seconds, trace_table
+from vaso.report.trace import Row, blame_of, marks_of, seconds, trace_table
 from vaso.verdict import Counterexample, SpecResult, Verdict, VerificationResult
 
 if TYPE_CHECKING:
+    from vaso.gradient.blame import Blame
     from vaso.optimizers.result import OptimizationResult
 
 STYLES = {
@@ -50,9 +51,8 @@ def verification_view(result: VerificationResult, *, counterexamples: bool = Tru
         parts.append(rules_table(result))
     parts.append(summary(result))
     parts += [Text(f"note: {w}", style="yellow") for w in result.warnings]
-    for spec in result.specs if counterexamples else ():
-        if spec.counterexample:
-            parts += ["", violation_view(spec, result.plan)]
+    if counterexamples:
+        parts += violation_views(result)
     return Group(*parts)
 
 
@@ -99,18 +99,28 @@ def _remarks(spec: SpecResult) -> Iterator[tuple[str, str]]:
         yield "note", warning
 
 
-def violation_view(spec: SpecResult, plan: str) -> Group:
+def violation_views(result: VerificationResult) -> list[RenderableType]:
+    """For each violated rule, a behaviour of the plan that violates it, and the lines to blame."""
+    blames = blame_of(result)
+    return [
+        violation_view(spec, result.plan, blames.get(spec.formula))
+        for spec in result.specs
+        if spec.counterexample
+    ]
+
+
+def violation_view(spec: SpecResult, plan: str, blame: Blame | None = None) -> Group:
     """A violated rule: the rule, the behaviour that violates it, the plan with the lines marked."""
     assert spec.counterexample is not None
-    head = Text("✗ ", style="bold red").append(spec.spec, style="bold")
-    reading = Text(f"The rule says: {spec.english}.", style="default") if spec.english else ""
-    return Group(
-        head,
-        *([reading] if reading else []),
+    parts: list[RenderableType] = [
+        Text("\n✗ ", style="bold red").append(spec.spec, style="bold"),
+        Text(f"The rule says: {spec.english}."),
         Text("The plan can do this instead:"),
         counterexample_view(spec.counterexample),
-        plan_view(plan, blamed_lines(spec.counterexample)),
-    )
+    ]
+    if blame and blame.text:
+        parts += [Text(blame.text), ""]
+    return Group(*parts, plan_view(plan, marks_of(blame)))
 
 
 def counterexample_view(example: Counterexample) -> Table:

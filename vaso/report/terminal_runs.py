@@ -148,6 +148,8 @@ def sat_text(answer: dict[str, Any]) -> Text:
     }
     style = ("✗ ERROR  ", "bold red") if "error" in answer else words[answer["sat"]]
     text = Text(*style).append(f" {answer['formula']}", style="default not bold")
-    if answer.get("error"):
-        text.append(f"\n  {answer['error']}", style="default not bold")
+    for key, label in (("error", ""), ("reason", ""), ("core", "in conflict: ")):
+        if said := answer.get(key):
+            said = "   ".join(said) if isinstance(said, list) else said
+            text.append(f"\n  {label}{said}", style="default not bold")
     return text

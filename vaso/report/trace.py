@@ -5,9 +5,13 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from vaso.plan.transition_system import Label, Scalar
-from vaso.verdict import Counterexample, Step
+from vaso.verdict import Counterexample, Step, VerificationResult
+
+if TYPE_CHECKING:
+    from vaso.gradient.blame import Blame
 
 SHOWN = 14
 FOR_EVER = "goes on for ever"
@@ -72,13 +76,17 @@ def concerned(example: Counterexample) -> tuple[str, ...]:
     return tuple(n for n in named if not any(_mirrors(example, n, s) for s in first.sensors))
 
 
-def blamed_lines(example: Counterexample) -> dict[int, str]:
-    """Plan lines in force where the formula is violated, or in the loop that never satisfies it."""
-    if example.decided_at is not None:
-        step = example.steps[example.decided_at]
-        return {step.line: f"runs in step {step.index}"} if step.line else {}
-    looping = example.steps[example.loop_start :]
-    return {s.line: "repeats for ever in the counterexample" for s in looping if s.line}
+def blame_of(result: VerificationResult) -> dict[str, Blame]:
+    """For each violated formula with a counterexample: the plan lines to blame, and why."""
+    from vaso.gradient.build import blames
+
+    return {spec.formula: found for spec, found in blames(result)}
+
+
+def marks_of(blame: Blame | None) -> dict[int, str]:
+    """Plan lines to mark in a listing: those that ran at the violation first, then the others."""
+    lines = blame.lines if blame else ()
+    return {line: "to blame" if n == 0 else "see above" for n, line in enumerate(lines)}
 
 
 def short_sensor(name: str) -> str:

@@ -1,0 +1,32 @@
+def test_the_plan_is_all_that_is_printed(vaso):
+    found = vaso("plan", "drive", "Move forward 5 meters, then turn left by 90 degrees.")
+    assert found.code == 0
+    compile(found.out, "plan", "exec")
+    assert "legs = [(5.0, 90.0)]" in found.out
+
+
+def test_json(vaso):
+    found = vaso("plan", "find-object", "Find a backpack near the hallway.", "--json").json
+    assert found["planner"] == "symbolic"
+    assert 'TARGET = "backpack"' in found["plan"]
+
+
+def test_out(vaso, tmp_path):
+    path = tmp_path / "sub" / "plan.py"
+    found = vaso("plan", "drive", "go 2 meters", "--out", path)
+    assert (found.code, found.out) == (0, "")
+    assert "legs = [(2.0, 0.0)]" in path.read_text()
+
+
+def test_out_that_cannot_be_written(vaso, tmp_path):
+    (tmp_path / "file").write_text("")
+    found = vaso("plan", "drive", "go", "--out", tmp_path / "file" / "plan.py")
+    assert found.code == 2
+    assert "cannot be written" in found.err
+
+
+def test_a_model_that_does_not_answer(vaso, monkeypatch):
+    monkeypatch.setenv("OPENAI_API_BASE", "http://127.0.0.1:9/v1")
+    found = vaso("plan", "drive", "go", "--lm", "openai/none")
+    assert found.code == 2
+    assert "does not answer" in found.err

@@ -1,0 +1,50 @@
+"""The command line as a typer application: one file a command."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from vaso import __version__
+from vaso.cli import check, demo, optimize, plan, sat, show, skills, verify
+
+app = typer.Typer(
+    name="vaso",
+    help="Robot skills that are checked before they move: contracts in temporal logic, plans "
+    "model-checked, counterexamples turned into better skills.",
+    epilog="Exit codes: 0 holds · 1 refuted · 2 bad input · 3 unknown or unsupported.",
+    no_args_is_help=True,
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    pretty_exceptions_enable=False,
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"vaso {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Print a traceback on errors.")] = False,
+) -> None:
+    """Options of every command."""
+
+
+for command in (
+    check.check,
+    verify.verify,
+    sat.sat,
+    plan.plan,
+    optimize.optimize,
+    show.show,
+    skills.skills,
+    demo.demo,
+):
+    app.command()(command)

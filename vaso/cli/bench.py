@@ -1,0 +1,63 @@
+"""``vaso bench``: measure on this machine."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from vaso.cli.common import JsonOption, console
+
+app = typer.Typer(help="Measure on this machine; every number in the documentation is made here.")
+
+
+@app.callback(invoke_without_command=True)
+def default(context: typer.Context) -> None:
+    """Run every benchmark when none is named."""
+    if context.invoked_subcommand is None:
+        verify()
+
+
+@app.command()
+def verify(
+    repeats: Annotated[int, typer.Option(min=1, help="Counted runs of each engine.")] = 5,
+    as_json: JsonOption = False,
+) -> None:
+    """Compare engines on the same plans: a NuSMV process per rule, per plan, PyNuSMV, lasso."""
+    from vaso.bench.machine import describe_machine
+    from vaso.bench.verify import measure, workloads
+
+    out = console()
+    if not as_json:
+        out.print(f"Median of {repeats} runs on: {describe_machine()}")
+    for load in workloads():
+        rows = measure(load, repeats)
+        if as_json:
+            for row in rows:
+                print(json.dumps(dataclasses.asdict(row)))
+            continue
+        title = f"{load.name}: {rows[0].states} states, {rows[0].rules} rules"
+        table = Table("engine", "all rules", "against baseline", "verdicts", title=title)
+        for row in rows:
+            table.add_row(
+                row.engine, _seconds(row.seconds), _ratio(row.ratio), _tally(row.verdicts)
+            )
+        out.print(table)
+        out.print(f"exploring the plan took {_seconds(load.explore_seconds)}\n")
+
+
+def _seconds(value: float | None) -> str:
+    if value is None:
+        return "does not apply"
+    return f"{value * 1000:.1f} ms" if value < 1 else f"{value:.2f} s"
+
+
+def _ratio(value: float | None) -> str:
+    return "" if value is None else f"{value:.1f}×"
+
+
+def _tally(verdicts: tuple[str, ...]) -> str:
+    return ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))

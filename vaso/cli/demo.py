@@ -1,0 +1,82 @@
+"""``vaso demo``: two real skills are checked, refuted, repaired and verified, offline."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.text import Text
+
+from vaso.cli.common import ExitCode, console, leave, write_text
+
+if TYPE_CHECKING:
+    from vaso.optimizers import OptimizationResult
+
+SKILLS = ("drive", "fly-in-square-shape-traj")
+STORY = {
+    "drive": "A ground robot (Clearpath Jackal) drives ahead. The skill was written by a language "
+    "model: its plan template looks harmless.",
+    "fly-in-square-shape-traj": "A drone (PX4) flies a square. The template takes off at 1 m/s "
+    "for 10 s, and altitudes of 10 m and more are forbidden.",
+}
+
+
+def demo(
+    out: Annotated[Path, typer.Option(help="Folder for the reports.")] = Path("runs/demo"),
+) -> None:
+    """Watch two skills being checked, refuted, repaired and verified. No network, no API key."""
+    terminal = console()
+    reports = [_one(terminal, name, out / name) for name in SKILLS]
+    terminal.rule("What next")
+    _say(terminal, f"The reports, for a browser: {', '.join(str(r) for r, _ in reports)}")
+    _say(terminal, 'vaso plan drive "move forward 5 meters, then turn left"   # write a plan')
+    _say(terminal, "vaso verify drive --version initial                       # verify a template")
+    _say(terminal, "vaso optimize find-object --out runs/find-object          # repair a skill")
+    _say(terminal, "vaso --help")
+    leave(ExitCode.HOLDS if all(verified for _, verified in reports) else ExitCode.REFUTED)
+
+
+def _one(terminal: Console, name: str, folder: Path) -> tuple[Path, bool]:
+    from vaso.feasibility import check
+    from vaso.optimizers import optimize
+    from vaso.report.html import optimization_html
+    from vaso.report.terminal_runs import feasibility_view
+    from vaso.skill_file import load_skill
+    from vaso.verification import verify
+
+    skill = load_skill(name, version="initial")
+    terminal.rule(Text(name, style="bold"))
+    _say(terminal, STORY[name])
+    _heading(terminal, "1. Can its rules be kept at all?")
+    terminal.print(feasibility_view(check(skill)))
+    _heading(terminal, "2. Does every behaviour of its plan template keep them?")
+    terminal.print(verify(skill, skill.plan_template))
+    _heading(terminal, "3. Repair: the smallest edit after which every rule holds")
+    result = optimize(skill, optimizer="repair", out=folder)
+    _show_edits(terminal, result)
+    _heading(terminal, "4. The repaired skill")
+    terminal.print(verify(result.skill, result.skill.plan_template))
+    write_text(folder / "report.html", optimization_html(result))
+    return folder / "report.html", result.verified
+
+
+def _show_edits(terminal: Console, result: OptimizationResult) -> None:
+    from vaso.report.terminal_runs import colour_diff, optimization_head
+
+    for step in result.steps:
+        if step.accepted:
+            _say(
+                terminal, f"accepted: {step.note} ({step.tried_count} other edits were turned down)"
+            )
+    terminal.print(colour_diff(result.diff))
+    terminal.print(optimization_head(result))
+
+
+def _heading(terminal: Console, text: str) -> None:
+    terminal.print(Text(f"\n{text}", style="bold cyan"))
+
+
+def _say(terminal: Console, text: str) -> None:
+    terminal.print(Text(text))

@@ -1,0 +1,115 @@
+"""``vaso optimize``: improve a skill until the plans that it leads to are verified."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vaso.cli.common import (
+    ExitCode,
+    JsonOption,
+    NameOption,
+    SkillArgument,
+    Version,
+    VersionOption,
+    console,
+    emit,
+    get_skill,
+    leave,
+    write_text,
+)
+
+if TYPE_CHECKING:
+    from vaso.optimizers import OptimizationResult
+
+REPORT = "report.html"
+
+
+def optimize(
+    skill: SkillArgument,
+    tasks: Annotated[
+        str | None,
+        typer.Option(help="A .yaml file of tasks, or one task; by default the skill's seen tasks."),
+    ] = None,
+    optimizer: Annotated[
+        str, typer.Option(help="repair needs no language model; loop and adalflow need --lm.")
+    ] = "repair",
+    lm: Annotated[
+        str | None, typer.Option(help="A language model, such as openai/gpt-4o-mini.")
+    ] = None,
+    planner: Annotated[
+        str, typer.Option(help="Who writes the plans: template (filled in) or lm.")
+    ] = "template",
+    level: Annotated[
+        str, typer.Option(help="How much a textual gradient says: verdict, trace, blame, repair.")
+    ] = "blame",
+    out: Annotated[
+        Path | None, typer.Option(help="Folder for the skill, the event log and the report.")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the run in --out.")] = False,
+    seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    steps: Annotated[int, typer.Option(min=0, help="Steps at most.")] = 10,
+    version: VersionOption = Version.INITIAL,
+    name: NameOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Optimize a skill against the model checker.
+
+    Exit code 0: the skill is verified on every task, 1: it is not (the best version is kept).
+    """
+    from vaso.cli.progress import Progress
+    from vaso.optimizers import optimize as run
+
+    chosen = get_skill(skill, version, name)
+    with Progress(console(stderr=True)) as progress:
+        result = run(
+            chosen,
+            tasks,
+            optimizer=optimizer,
+            lm=lm,
+            planner=_planner(planner),
+            level=level,
+            out=out,
+            resume=resume,
+            budget=steps,
+            seed=seed,
+            on_event=progress,
+        )
+    report = _write_report(result, out)
+    if as_json:
+        emit(result.to_json())
+    else:
+        _show(result, out, report)
+    leave(ExitCode.HOLDS if result.verified else ExitCode.REFUTED)
+
+
+def _planner(name: str) -> object:
+    from vaso.errors import OptimizerError
+
+    if name == "template":
+        return None
+    if name == "lm":
+        from vaso.modules import Planner
+
+        return Planner()
+    raise OptimizerError(f"there is no planner '{name}'", expected="template or lm")
+
+
+def _write_report(result: OptimizationResult, out: Path | None) -> Path | None:
+    if out is None:
+        return None
+    from vaso.report.html import optimization_html
+
+    write_text(out / REPORT, optimization_html(result))
+    return out / REPORT
+
+
+def _show(result: OptimizationResult, out: Path | None, report: Path | None) -> None:
+    terminal = console()
+    terminal.print(result)
+    if out:
+        terminal.print(f"\nskill: {out / 'SKILL.md'}\nreport: {report}")
+    else:
+        terminal.print("\nwith --out DIR the skill, the event log and a report are written")
