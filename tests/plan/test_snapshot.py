@@ -97,3 +97,17 @@ def test_a_continuation_can_be_resumed_again_and_again():
             return [x for reply in (0, 1) for x in leaves(machine.advance(at, reply))]
 
         assert sorted(leaves(machine.start())) == [0, 1, 1, 1, 2, 2, 2, 3]
+
+
+def test_usual_plans_need_no_raw_numbering():
+    source = (
+        "import math, time\nfrom collections import deque\nclass A:\n    def __init__(self):\n"
+        "        self.n = [0]\na, d, q = A(), {'k': (1, 2.5)}, deque([1])\n"
+        "def make():\n    n = 0\n    def step():\n        nonlocal n\n        n += 1\n"
+        "    return step\ns = make()\nfor i, x in enumerate([1, 2, 3]):\n    s()\n    go()\n"
+    )
+    with Machine(["import math\nimport time\n", source]) as machine:
+        at = machine.start()
+        while at.blob is not None:
+            at = machine.advance(at, None)
+        assert machine._key.raw == 0

@@ -29,9 +29,9 @@ def __vaso_turn__():
     request = {NEXT}()
     {DONE}({API}[request[0]](*request[1], **request[2]))
 
-def {ROWS}(calls, trajectory):
+def {ROWS}(calls, trajectory, first, last):
     rows = []
-    for i in range(1, len(trajectory) + 1):
+    for i in range(first, last):
         row = []
         for name, kinds in calls:
             arguments = {{}}

@@ -8,11 +8,14 @@ from typing import Any
 
 from vaso.errors import LabellingError
 from vaso.plan.config import EPOCH, Config, Origin, Reader, Turn
-from vaso.plan.labelling import Commanded, Function, Labelling, Returned, Slept, Threw
+from vaso.plan.labelling import ROWS, Commanded, Function, Labelling, Returned, Slept, Threw
 from vaso.plan.machine import Continuation
 from vaso.plan.trajectory import Histories
 from vaso.plan.transition_system import Case, Label, Sensor
 from vaso.platforms import Issued, Platform
+
+CHUNK = 100
+"""Set-points that are labelled in one request, so that no request runs for long."""
 
 NANO = 9
 """Numeric labels are rounded to 1e-9, so that float drift does not decide a verdict."""
@@ -54,7 +57,7 @@ class Labeller:
         name = function.name
         spec = self.platform.proposition(name)
         action = spec is not None and spec.kind == "action"
-        if name.startswith("_") and not needed:
+        if not needed and (name.startswith("_") or function.parameters):
             return
         if not function.readable:
             if action:
@@ -191,33 +194,48 @@ class Labeller:
         return self.labelling.request(at, function.name, (), kwargs, reader.ask, clock)
 
     def prefill(self, here: Config, histories: list[int]) -> None:
-        """Evaluate trajectory propositions along a whole trajectory in one request.
+        """Evaluate trajectory propositions along a whole trajectory in a few requests.
 
         Args:
             here: The configuration that starts the trajectory.
             histories: Histories along it, each one set-point longer than the one before.
         """
         calls = [(f.name, list(f.parameters)) for f in self.values.values() if f.parameters]
-        if not calls or not histories or self.labelling.uses_clock:
+        if not calls or self.labelling.uses_clock:
             return
         at = self._idle(here)
         points = self.histories.points(histories[-1])
+        first = len(points) - len(histories)
+        for start in range(0, len(histories), CHUNK):
+            part = histories[start : start + CHUNK]
+            bounds = (first + start + 1, first + start + len(part) + 1)
+            if not self._fill(at, calls, points, bounds, part):
+                return
+
+    def _fill(
+        self,
+        at: Continuation,
+        calls: list[tuple[str, list[tuple[str, str]]]],
+        points: list[Any],
+        bounds: tuple[int, int],
+        histories: list[int],
+    ) -> bool:
+        """Fill the memo for some histories; False if that has to be done one by one."""
 
         def refuse(sensor: str, domain: Any) -> Any:
             raise LabellingError("a trajectory proposition reads a sensor")
 
         try:
-            outcome = self.labelling.request(
-                at, "__vaso_rows__", (calls, points), {}, refuse, EPOCH
-            )
+            outcome = self.labelling.request(at, ROWS, (calls, points, *bounds), {}, refuse, EPOCH)
         except LabellingError:
-            return
+            return False
         if not isinstance(outcome, Returned) or outcome.at.key != at.key:
-            return
-        for history, row in zip(reversed(histories), reversed(outcome.value), strict=False):
+            return False
+        for history, row in zip(histories, outcome.value, strict=True):
             for (name, _), value in zip(calls, row, strict=True):
-                if isinstance(value, (bool, int, float)) and math.isfinite(value):
+                if isinstance(value, bool | int | float) and math.isfinite(value):
                     self._memo[(at.key, name, history, EPOCH)] = _rounded(value)
+        return True
 
 
 def _is_none(outcome: Any) -> bool:

@@ -51,12 +51,17 @@ class _UnknownShape(Exception):
 
 
 class KeyMaker:
-    """Computes keys for the snapshots of one program; remembers its constant part."""
+    """Computes keys for the snapshots of one program; remembers its constant part.
+
+    Attributes:
+        raw: How many snapshots had to keep their raw numbering.
+    """
 
     def __init__(self) -> None:
         self._tables: Any = None
         self._tables_key = b""
         self._modules: dict[bytes, int] = {}
+        self.raw = 0
 
     def __call__(self, dump: bytes) -> bytes:
         """The canonical key of a suspended snapshot.
@@ -76,6 +81,7 @@ class KeyMaker:
         try:
             body = _Traversal(heap["entries"], self._modules).run(roots)
         except _UnknownShape:
+            self.raw += 1
             body = [roots, [_raw(e) for e in heap["entries"]]]
         rest = {k: v for k, v in heap.items() if k not in _VOLATILE_HEAP}
         text = cbor2.dumps([body, rest, self._constant(snapshot)])
@@ -160,14 +166,16 @@ class _Traversal:
             raise _UnknownShape
         return [tag, self.slotted(payload, *_SLOTTED[tag])]
 
-    def module(self, payload: dict[str, Any]) -> int:
-        """A module's number among those seen: quicker than walking its many attributes."""
-        text = cbor2.dumps(payload)
-        if text not in self.modules:
-            if any(isinstance(e["V"], dict) and "C" in e["V"] for e in payload["attrs"]["E"]):
-                raise _UnknownShape
-            self.modules[text] = len(self.modules)
-        return self.modules[text]
+    def module(self, payload: dict[str, Any]) -> list[Any]:
+        """A module: its plain attributes as a number (there are many), its references visited."""
+        plain, references = [], []
+        for item in payload["attrs"]["E"]:
+            value = item["V"]
+            kept = references if isinstance(value, dict) and "C" in value else plain
+            kept.append(item)
+        text = cbor2.dumps([payload["name"], plain])
+        number = self.modules.setdefault(text, len(self.modules))
+        return [number, self.value(references)]
 
     def slotted(self, payload: dict[str, Any], key: str, form: str) -> list[Any]:
         if payload.get("G") is not None:
