@@ -13,6 +13,7 @@ from vaso.cli.common import ExitCode, console, leave, write_text
 
 if TYPE_CHECKING:
     from vaso.optimizers import OptimizationResult
+    from vaso.verdict import VerificationResult
 
 SKILLS = ("drive", "fly-in-square-shape-traj")
 STORY = {
@@ -41,7 +42,8 @@ def demo(
 def _one(terminal: Console, name: str, folder: Path) -> tuple[Path, bool]:
     from vaso.feasibility import check
     from vaso.optimizers import optimize
-    from vaso.report.html import optimization_html
+    from vaso.report.html import optimization_html, verification_html
+    from vaso.report.terminal import verification_view
     from vaso.report.terminal_runs import feasibility_view
     from vaso.skill_file import load_skill
     from vaso.verification import verify
@@ -52,14 +54,28 @@ def _one(terminal: Console, name: str, folder: Path) -> tuple[Path, bool]:
     _heading(terminal, "1. Can its rules be kept at all?")
     terminal.print(feasibility_view(check(skill)))
     _heading(terminal, "2. Does every behaviour of its plan template keep them?")
-    terminal.print(verify(skill, skill.plan_template))
+    before = verify(skill, skill.plan_template)
+    _refuted(terminal, before)
+    write_text(folder / "before.html", verification_html(before))
     _heading(terminal, "3. Repair: the smallest edit after which every rule holds")
     result = optimize(skill, optimizer="repair", out=folder)
     _show_edits(terminal, result)
     _heading(terminal, "4. The repaired skill")
-    terminal.print(verify(result.skill, result.skill.plan_template))
+    after = verify(result.skill, result.skill.plan_template)
+    terminal.print(verification_view(after, counterexamples=False))
     write_text(folder / "report.html", optimization_html(result))
     return folder / "report.html", result.verified
+
+
+def _refuted(terminal: Console, result: VerificationResult) -> None:
+    """The verdicts, and the first violation in full."""
+    from vaso.report.terminal import verification_view, violation_views
+
+    terminal.print(verification_view(result, counterexamples=False))
+    found = violation_views(result)
+    terminal.print(*found[:1])
+    if len(found) > 1:
+        _say(terminal, f"(more counterexamples: {len(found) - 1}, see before.html)")
 
 
 def _show_edits(terminal: Console, result: OptimizationResult) -> None:

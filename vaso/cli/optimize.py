@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -85,7 +85,7 @@ def optimize(
     leave(ExitCode.HOLDS if result.verified else ExitCode.REFUTED)
 
 
-def _planner(name: str) -> object:
+def _planner(name: str) -> Any:
     from vaso.errors import OptimizerError
 
     if name == "template":

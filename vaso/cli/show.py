@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Group
+from rich.console import Group, RenderableType
 
 from vaso.cli.common import (
     JsonOption,
@@ -81,7 +81,7 @@ def _print(skill: Skill | None, plan: Plan | None, platform: str | None) -> None
         assert skill is not None
         console().print(skill_view(skill))
         return
-    parts = [plan_view(plan.source)]
+    parts: list[RenderableType] = [plan_view(plan.source)]
     if skill:
         parts.append(system_view(_system(skill, plan, platform)))
     console().print(Group(*parts))
@@ -91,7 +91,7 @@ def _render(skill: Skill | None, plan: Plan | None, chosen: Format, platform: st
     """The text of a format that goes to a file or a pipe."""
     import json
 
-    from vaso.plan import to_dot, to_json, to_smv
+    from vaso.plan.export import to_dot, to_json, to_smv
     from vaso.report.html import plan_html, skill_html
     from vaso.skill_file import write_skill
 
@@ -117,7 +117,7 @@ def _render(skill: Skill | None, plan: Plan | None, chosen: Format, platform: st
 
 
 def _system(skill: Skill, plan: Plan | None, platform: str | None) -> TransitionSystem:
-    from vaso.plan import compile_plan
+    from vaso.plan.explore import compile_plan
 
     return compile_plan(plan or skill.plan_template, skill, platform=platform)
 

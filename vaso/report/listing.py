@@ -22,7 +22,7 @@ def listing(code: str, marks: Mapping[int, str] | None = None) -> Markup:
                 el("span", number, cls="no"),
                 line,
                 el("span", f"← {why}", cls="why") if why else None,
-                cls="row marked" if why else "row",
+                cls="row" if why is None else "row marked",
             )
         )
     return _block(rows)

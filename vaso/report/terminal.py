@@ -29,6 +29,7 @@ STYLES = {
     Verdict.UNKNOWN: ("? UNKNOWN", "bold yellow"),
     Verdict.UNSUPPORTED: ("– UNSUPPORTED", "bold yellow"),
 }
+WIDEST_CALL = 26
 DIFF = {"+": "green", "-": "red", "@": "cyan"}
 
 
@@ -131,7 +132,8 @@ def counterexample_view(example: Counterexample) -> Table:
     table.add_column("time", justify="right", no_wrap=True)
     for name in trace.sensors:
         table.add_column(f"{name}?", overflow="fold")
-    table.add_column("the robot does", overflow="fold", min_width=12)
+    widest = max(len(row.does) for row in trace.rows)
+    table.add_column("the robot does", overflow="fold", min_width=min(widest, WIDEST_CALL))
     table.add_column("line", justify="right")
     for name in trace.values:
         table.add_column(name, overflow="fold")
@@ -154,7 +156,7 @@ def _cells(row: Row, width: int) -> tuple[list[str], str]:
 
 
 def plan_view(plan: str, marks: Mapping[int, str] | None = None) -> Padding:
-    """A plan with line numbers; marked lines carry an arrow and why."""
+    """A plan with line numbers; marked lines carry an arrow, and why if there is more to say."""
     marks = marks or {}
     text = Text(no_wrap=False)
     for number, line in enumerate(plan.rstrip("\n").split("\n"), start=1):
@@ -163,7 +165,7 @@ def plan_view(plan: str, marks: Mapping[int, str] | None = None) -> Padding:
             f"{'→' if marked else ' '}{number:>3} │ ", style="bold red" if marked else "dim"
         )
         text.append(line, style="bold" if marked else "")
-        text.append(f"   ← {marks[number]}" if marked else "", style="red")
+        text.append(f"   ← {marks[number]}" if marks.get(number) else "", style="red")
         text.append("\n")
     text.rstrip()
     return Padding(text, (0, 0, 0, 1))

@@ -84,15 +84,20 @@ def blame_of(result: VerificationResult) -> dict[str, Blame]:
 
 
 def marks_of(blame: Blame | None) -> dict[int, str]:
-    """Plan lines to mark in a listing: those that ran at the violation first, then the others."""
-    lines = blame.lines if blame else ()
-    return {line: "to blame" if n == 0 else "see above" for n, line in enumerate(lines)}
+    """Plan lines to mark in a listing."""
+    return dict.fromkeys(blame.lines, "") if blame else {}
 
 
 def short_sensor(name: str) -> str:
     """``yolo_listener('people')`` as ``people``."""
     match = re.fullmatch(r"\w+\((['\"])(.+)\1\)", name)
     return match.group(2) if match else name
+
+
+def short_call(call: str) -> str:
+    """``set_velocity(velocity=(0.0, 0.5, 0.0))`` as ``set_velocity((0, 0.5, 0))``."""
+    single = re.sub(r"\((\w+)=(\([^()]*\)|[^(),=]*)\)$", r"(\2)", call)
+    return re.sub(r"(?<![\w.])(-?\d+)\.0\b", r"\1", single)
 
 
 def show(value: Scalar | Label) -> str:
@@ -150,7 +155,7 @@ def _row(example: Counterexample, step: Step, values: tuple[str, ...]) -> Row:
         step=step.index,
         time=f"{step.index * example.dt:g} s",
         sensed=tuple(show(step.sensors[s]) for s in _sensors(example)),
-        does=step.api or ("(at rest)" if step.index == 0 else step.command),
+        does=short_call(step.api or ("(at rest)" if step.index == 0 else step.command)),
         line=str(step.line or ""),
         values=tuple(show(step.labels[v]) for v in values),
         notes=tuple(_notes(example, step)),
