@@ -11,7 +11,8 @@ from dspy.utils import DummyLM
 
 from vaso.skill import Rule, Skill
 
-sys.path.insert(0, str(Path(__file__).parent))
+FOLDER = Path(__file__).parent
+sys.path[:0] = [str(FOLDER), str(FOLDER.parent)]
 
 from vaso_scripts import LABELLING, TEMPLATE
 
