@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from vaso.errors import FormulaError
 from vaso.gradient.ending import how_it_ended
 from vaso.gradient.failure import Fact, Failure, find_failure
+from vaso.gradient.wording import value_text
 from vaso.ltl import Comparison, Constant, Formula, Proposition, Unary, parse, propositions
 from vaso.ltl.traverse import variables
 from vaso.verdict import Counterexample, Step
@@ -121,8 +122,8 @@ def _number(failure: Failure, step: Step, scene: _Scene) -> str:
 
 
 def _change(name: str, step: Step, scene: _Scene) -> str:
-    now = _value(step, name)
-    before = _value(scene.steps[step.index - 1], name) if step.index else now
+    now = value_text(step.labels.get(name))
+    before = value_text(scene.steps[step.index - 1].labels.get(name)) if step.index else now
     return f"{name} is {now}" if now == before else f"{name} goes from {before} to {now}"
 
 
@@ -134,19 +135,14 @@ def _did(step: Step, scene: _Scene) -> str:
         return f"The robot is at rest in step {index}, before the first command of the plan"
     if _has_ended(step) and before.line == step.line:
         return f"In step {index} the plan has ended and its last command, {call} of line {step.line}, is still in force"  # noqa: E501
-    if _is_new(step, before):
+    if _differ(step, before):
         return f"Line {step.line} executes {call} in step {index}"
     return f"In step {index} {call} of line {step.line} is in force"
 
 
-def _is_new(step: Step, before: Step) -> bool:
-    """True where the trace shows that the command was issued for this step."""
-    issued = any(step.api.startswith(f"{name}(") for name, _ in before.reads)
-    return issued or (step.line, step.api, step.command) != (
-        before.line,
-        before.api,
-        before.command,
-    )
+def _differ(step: Step, before: Step) -> bool:
+    """True where the trace shows that a command was issued for this step."""
+    return (step.line, step.api, step.command) != (before.line, before.api, before.command)
 
 
 def _reason(failure: Failure, step: Step, scene: _Scene) -> str:
@@ -176,9 +172,7 @@ def _between(before: Step, step: Step) -> str:
         return f"before line {step.line}"
     if before.line != step.line:
         return f"between lines {before.line} and {step.line}"
-    if _is_new(step, before):
-        return f"between one execution of line {step.line} and the next"
-    return f"while {_call(step)} goes on"
+    return f"in step {before.index}"
 
 
 # --------------------------------------------------------------------------- what never happens
@@ -232,7 +226,7 @@ def _sensed(scene: _Scene) -> str:
     constant = [n for n in names if len({s.labels.get(n) for s in scene.loop}) == 1]
     if not constant or len(scene.loop) == len(scene.steps) == 1:
         return ""
-    told = " and ".join(f"{n} is {_value(scene.loop[0], n)}" for n in constant)
+    told = " and ".join(f"{n} is {value_text(scene.loop[0].labels.get(n))}" for n in constant)
     return f" From step {scene.example.loop_start} on {told}."
 
 
@@ -281,10 +275,3 @@ def _lines(lines: Sequence[int]) -> str:
     if len(lines) == 1:
         return f"line {lines[0]}"
     return f"lines {', '.join(map(str, lines[:-1]))} and {lines[-1]}"
-
-
-def _value(step: Step, name: str) -> str:
-    value = step.labels.get(name)
-    if value is None:
-        return "unknown"
-    return str(value).lower() if isinstance(value, bool) else f"{round(value, 6):g}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from vaso.errors import VasoError
@@ -17,6 +17,9 @@ from vaso.verdict import SpecResult, Verdict, VerificationResult
 __all__ = ["find_repair"]
 
 Verify = Callable[[str], VerificationResult]
+
+CANDIDATE_SECONDS = 10.0
+"""Bound for exploring and for checking one candidate: an edit can make a plan grow without end."""
 
 EXPANDED = 6
 """How many of the best single changes are combined with a second one."""
@@ -63,18 +66,20 @@ def find_repair(
         checks_left=max_checks,
         deadline=time.monotonic() + seconds,
     )
-    start = search.assess(template, ())
+    start = search.assess(template, None)
     if start is None or start.passes:
         return None
     return search.run(template, start, parameter)
 
 
 def _verifier(skill: Skill, platform: str | Platform | None) -> Verify:
+    from vaso.plan.explore import Budget
     from vaso.verification import verify
 
-    if platform is None:
-        return lambda plan: verify(plan, skill)
-    return lambda plan: verify(plan, skill, platform=platform)
+    budget = Budget(seconds=CANDIDATE_SECONDS)
+    return lambda plan: verify(
+        skill, plan, platform=platform, budget=budget, timeout=CANDIDATE_SECONDS
+    )
 
 
 @dataclass(frozen=True)
@@ -122,6 +127,7 @@ class _Search:
     deadline: float
     seen: set[str] = field(default_factory=set)
     dispensable: frozenset[str] = frozenset()
+    hardest: int = 0
 
     def run(self, template: str, start: _Assessment, parameter: str) -> Edit | None:
         """Search, one level of changes after the other."""
@@ -152,31 +158,40 @@ class _Search:
                 found,
             )
 
-    def assess(self, text: str, purposes: Sequence[Purpose | None]) -> _Assessment | None:
-        """Verify the plans of a text; None when the limits are reached."""
+    def assess(self, text: str, purposes: Sequence[Purpose | None] | None) -> _Assessment | None:
+        """Verify the plans of a text; None when the limits are reached.
+
+        Where there are purposes to be kept, a text is judged by the first plan that fails: the one
+        that failed for the text before it is tried first.
+        """
         if self.checks_left <= 0 or time.monotonic() > self.deadline:
             return None
         self.checks_left -= 1
+        results: dict[int, VerificationResult] = {}
         try:
-            results = [self.verify(plan) for plan in self.plans(text)]
+            plans = list(self.plans(text))
+            for i in sorted(range(len(plans)), key=lambda i: i != self.hardest):
+                results[i] = self.verify(plans[i])
+                if purposes is not None and not results[i]:
+                    self.hardest = i
+                    break
         except VasoError:
             return _Assessment((), (), broken=True)
-        failures = {f.formula: f for r in results for f in r.failures}
+        failures = {f.formula: f for r in results.values() for f in r.failures}
         return _Assessment(
             failures=tuple(failures.values()),
-            purposes=tuple(Purpose.of(r) for r in results),
-            broken=any(_is_broken(r) for r in results) or not results,
-            kept=self._keeps(results, purposes),
+            purposes=tuple(Purpose.of(results[i]) for i in sorted(results)),
+            broken=not results or any(_is_broken(r) for r in results.values()),
+            kept=purposes is None or self._keeps(results, purposes),
         )
 
     def _keeps(
-        self, results: Sequence[VerificationResult], purposes: Sequence[Purpose | None]
+        self, results: Mapping[int, VerificationResult], purposes: Sequence[Purpose | None]
     ) -> bool:
-        after = [Purpose.of(r) for r in results]
-        return all(
-            one is None or other is None or one.kept_by(other, self.dispensable)
-            for one, other in zip(purposes, after, strict=False)
-        ) and all(self.keeps(r) for r in results)
+        before = dict(enumerate(purposes))
+        pairs = [(before.get(i), Purpose.of(r)) for i, r in results.items()]
+        kept = (a is None or b is None or a.kept_by(b, self.dispensable) for a, b in pairs)
+        return all(kept) and all(self.keeps(r) for r in results.values())
 
 
 def _is_broken(result: VerificationResult) -> bool:

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 from vaso.errors import FormulaError
 from vaso.gradient.failure import Failure, find_failure
+from vaso.gradient.wording import value_text
 from vaso.ltl import Formula, parse, propositions, variables
 from vaso.plan.transition_system import Label
 from vaso.verdict import Counterexample, Step
@@ -83,9 +84,7 @@ def _reads(step: Step, observed: frozenset[str]) -> str:
 
 
 def _text(value: Label | None) -> str:
-    if value is None:
-        return "?"
-    return ("yes" if value else "no") if isinstance(value, bool) else f"{round(value, 6):g}"
+    return "?" if value is None else value_text(value, "yes", "no")
 
 
 def _remarks(example: Counterexample, failure: Failure | None) -> list[str]:
