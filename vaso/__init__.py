@@ -38,7 +38,32 @@ _EXPORTS = {
     "VasoError": "vaso.errors",
 }
 
-__all__ = [*sorted(_EXPORTS), "__version__"]
+__all__ = [
+    "Counterexample",
+    "OptimizationResult",
+    "Plan",
+    "Platform",
+    "Rule",
+    "Skill",
+    "TextualGradient",
+    "TransitionSystem",
+    "VasoError",
+    "Verdict",
+    "VerificationResult",
+    "__version__",
+    "check",
+    "compile_plan",
+    "get_platform",
+    "load_skill",
+    "load_tasks",
+    "optimize",
+    "read_skills",
+    "satisfiable",
+    "shipped_skills",
+    "textual_gradient",
+    "verify",
+    "write_skill",
+]
 
 if TYPE_CHECKING:
     from vaso.errors import VasoError

@@ -20,7 +20,20 @@ _EXPORTS = {
     "to_json": "vaso.plan.export",
 }
 
-__all__ = list(_EXPORTS)
+__all__ = [
+    "Budget",
+    "Case",
+    "Cut",
+    "Edge",
+    "Plan",
+    "Sensor",
+    "State",
+    "TransitionSystem",
+    "compile_plan",
+    "to_dot",
+    "to_json",
+    "to_smv",
+]
 
 if TYPE_CHECKING:
     from vaso.plan.explore import Budget, compile_plan

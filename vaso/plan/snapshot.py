@@ -168,7 +168,8 @@ class _Traversal:
 
     def module(self, payload: dict[str, Any]) -> list[Any]:
         """A module: its plain attributes as a number (there are many), its references visited."""
-        plain, references = [], []
+        plain: list[Any] = []
+        references: list[Any] = []
         for item in payload["attrs"]["E"]:
             value = item["V"]
             kept = references if isinstance(value, dict) and "C" in value else plain

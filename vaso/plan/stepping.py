@@ -119,7 +119,7 @@ class Stepper:
         return self._run(here.plan, here.lab, here, reader)
 
     def look_ahead(self, here: Config) -> None:
-        """Run the plan on past its command while its process still stands there: no reload later."""
+        """Run the plan on past its command while its process stands there; saves a reload."""
         if here.turn is Turn.REPLY and here.plan is not None and not here.waits:
             self.machine.advance(here.plan, here.reply)
 
