@@ -136,9 +136,19 @@ def test_systems_that_are_not_total_are_refused(changes):
         to_smv(two_states(**changes))
 
 
-@pytest.mark.parametrize("formula", ["G flying", "G speed", "G(stop < 1)", "G(1 / speed < 3)"])
-def test_formulas_that_the_plan_does_not_fit_are_refused(formula):
-    with pytest.raises(FormulaError, match=r"door_observed, people_observed, speed, stop"):
+@pytest.mark.parametrize(
+    ("formula", "message"),
+    [
+        ("G flying", "no proposition 'flying'\n.*door_observed, people_observed, speed, stop"),
+        ("G(height < 3)", "no proposition 'height'"),
+        ("G speed", "compare it with a number"),
+        ("G(stop < 1)", "stop has the value True"),
+        ("G(1 / speed < 3)", "divides by zero"),
+        ("G(1 / (speed - 0.3) < 3)", "divides by zero.*in state 1"),
+    ],
+)
+def test_formulas_that_the_plan_does_not_fit_are_refused(formula, message):
+    with pytest.raises(FormulaError, match=message):
         to_smv(two_states(), [parse(formula)])
 
 

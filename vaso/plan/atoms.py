@@ -62,7 +62,7 @@ def truth_table(system: TransitionSystem, atom: Atom) -> tuple[Truth, ...]:
         try:
             table.append(_truth(system, state, atom, names, known))
         except FormulaError as error:
-            raise _in_state(error, system, number) from error
+            raise _in_state(error, system, atom, number) from error
     return tuple(table)
 
 
@@ -91,12 +91,16 @@ def _by_sensors(system: TransitionSystem, state: State, atom: Atom, names: Seque
     return bool(true) if len(true) in (0, len(valuations)) else tuple(true)
 
 
-def _in_state(error: FormulaError, system: TransitionSystem, number: int) -> FormulaError:
-    names = sorted(name for name in system.propositions if not name.startswith("__"))
-    labelled = ", ".join(names) or "none"
+def _in_state(
+    error: FormulaError, system: TransitionSystem, atom: Atom, number: int
+) -> FormulaError:
+    """The error of an evaluation, in terms of the plan."""
+    missing = sorted(names_of(atom) - system.propositions)
+    if missing:
+        names = sorted(name for name in system.propositions if not name.startswith("__"))
+        return FormulaError(
+            f"the plan has no proposition '{missing[0]}'",
+            hint=f"it has: {', '.join(names) or 'none'}",
+        )
     where = "" if number == 0 else f" (in state {number})"
-    return FormulaError(
-        f"{error.message}{where}",
-        expected=error.expected,
-        hint=f"propositions of this plan: {labelled}",
-    )
+    return FormulaError(f"{error.message}{where}", expected=error.expected, hint=error.hint)

@@ -12,6 +12,8 @@ from vaso.verifiers.base import Lasso
 
 __all__ = ["decided_at", "explain_run"]
 
+_STOPPED = "exploration stopped here; the rule is violated whatever follows"
+
 
 def explain_run(system: TransitionSystem, lasso: Lasso, formula: Formula) -> Counterexample:
     """Describe a violating run step by step.
@@ -88,7 +90,7 @@ def _steps(system: TransitionSystem, lasso: Lasso) -> list[Step]:
                 sensors=valuation,
                 labels=system.label(number, valuation),
                 reads=_reads(system, after),
-                note="exploration stopped here" if state.cut else state.note,
+                note=_STOPPED if state.cut else state.note,
             )
         )
         before = after

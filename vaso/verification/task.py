@@ -19,7 +19,7 @@ from vaso.verifiers import Answer, Verifier
 
 __all__ = ["Finding", "Task"]
 
-_NOT_SHOWN = "it holds only under assumptions of which it is not known that they are possible"
+_NOT_SHOWN = "it needs the skill's assumptions, and it is not known whether they can be true"
 
 
 @dataclass
@@ -41,7 +41,7 @@ class Finding:
     vacuous: str | None = None
 
     def take(self, answer: Answer) -> None:
-        """Let a later answer count."""
+        """Let a later answer count instead."""
         self.answer = answer
         self.seconds += answer.seconds
 
@@ -86,7 +86,7 @@ class Task:
         answers = self._ask([Query(f) for f in formulas])
         findings = [Finding(f, a, a.seconds) for f, a in zip(formulas, answers, strict=True)]
         if self.assumptions:
-            self._assume([f for f in findings if f.answer.verdict is Verdict.FAIL])
+            self._assume([f for f in findings if f.answer.verdict is not Verdict.PASS])
         self._look_for_vacuity([f for f in findings if f.answer.verdict is Verdict.PASS])
         return findings
 
@@ -101,14 +101,15 @@ class Task:
     # --- assumptions ---------------------------------------------------------------------------
 
     def _assume(self, failed: list[Finding]) -> None:
-        """Check what fails on its own again, and find out which assumptions it needs."""
+        """Check again what does not hold on its own, and find out which assumptions it needs."""
         possible = self._are_possible()
         for finding, answer in self._under(failed, [self.assumptions] * len(failed)):
-            finding.take(answer)
             if answer.verdict is Verdict.PASS and not possible:
-                finding.take(Answer(Verdict.UNKNOWN, answer.engine, reason=_NOT_SHOWN))
-            elif answer.verdict is Verdict.PASS:
+                answer = replace(answer, verdict=Verdict.UNKNOWN, reason=_NOT_SHOWN)
+            if answer.verdict is Verdict.PASS:
                 finding.needed = self.assumptions
+            if finding.answer.verdict is Verdict.FAIL or answer.verdict is Verdict.PASS:
+                finding.take(answer)
         for rule in self.assumptions:
             self._try_without(rule, [f for f in failed if len(f.needed) > 1])
 

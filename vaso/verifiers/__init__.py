@@ -19,7 +19,17 @@ _EXPORTS = {
     "AutoVerifier": "vaso.verifiers.auto",
 }
 
-__all__ = [*_EXPORTS, "get_verifier"]  # noqa: PLE0604
+__all__ = [
+    "Answer",
+    "AutoVerifier",
+    "Lasso",
+    "LassoVerifier",
+    "NuSMVVerifier",
+    "PyNuSMVVerifier",
+    "SMVVerifier",
+    "Verifier",
+    "get_verifier",
+]
 
 if TYPE_CHECKING:
     from vaso.verifiers.auto import AutoVerifier

@@ -93,9 +93,7 @@ class _Partition:
             found[self.block[state]].add(state)
         return list(found.items())
 
-    def split(
-        self, block: int, dirty: set[int], signature: Callable[[int], Hashable]
-    ) -> list[int]:
+    def split(self, block: int, dirty: set[int], signature: Callable[[int], Hashable]) -> list[int]:
         """Split a block by signature; the states that are not dirty still agree with each other.
 
         Returns:

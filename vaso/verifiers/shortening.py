@@ -6,7 +6,7 @@ replace a counterexample by another one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TypeAlias
 
 from vaso.ltl import Formula
@@ -54,33 +54,47 @@ class _Search:
     def candidates(self) -> Iterator[_Word]:
         """Simpler sensor values, the boldest simplifications first."""
         values = tuple(valuation for _, valuation in self.best.run)
-        prefix, loop = values[: self.best.loop_start], values[self.best.loop_start :]
+        start = self.best.loop_start
+        prefix, loop = values[:start], values[start:]
         yield (), (self.usual,)
         yield prefix, (self.usual,)
-        yield from ((prefix, (value,)) for value in loop)
-        yield from ((shorter, loop) for shorter in _without_parts(prefix))
-        yield from ((prefix, shorter) for shorter in _without_parts(loop) if shorter)
-        yield from ((quieter, loop) for quieter in self._quieter(prefix))
-        yield from ((prefix, quieter) for quieter in self._quieter(loop))
+        yield from ((prefix, (value,)) for value in _distinct(loop))
+        yield from self._quieter(values, start, slice(0, len(values)))
+        for part in _parts(len(prefix)):
+            yield prefix[: part.start] + prefix[part.stop :], loop
+        for part in _parts(len(loop)):
+            if part.stop - part.start < len(loop):
+                yield prefix, loop[: part.start] + loop[part.stop :]
+        for part in _parts(len(values)):
+            yield from self._quieter(values, start, part)
 
-    def _quieter(self, values: tuple[Guard, ...]) -> Iterator[tuple[Guard, ...]]:
-        for place, value in enumerate(values):
-            active = [name for name in self.usual if value[name] != self.usual[name]]
-            options = [active, *([name] for name in active)] if len(active) > 1 else [active]
-            for names in options:
-                quiet = {**value, **{name: self.usual[name] for name in names}}
-                if names:
-                    yield (*values[:place], quiet, *values[place + 1 :])
+    def _quieter(self, values: tuple[Guard, ...], start: int, part: slice) -> Iterator[_Word]:
+        """All sensors at their usual value in a part of the run, then one sensor at a time."""
+        active = [
+            name
+            for name, usual in self.usual.items()
+            if any(v[name] != usual for v in values[part])
+        ]
+        options = [active, *([name] for name in active)] if len(active) > 1 else [active]
+        for names in filter(None, options):
+            usual = {name: self.usual[name] for name in names}
+            quiet = tuple({**value, **usual} for value in values[part])
+            word = values[: part.start] + quiet + values[part.stop :]
+            yield word[:start], word[start:]
 
     def _cost(self, lasso: Lasso) -> tuple[int, int]:
         active = sum(v[n] != usual for _, v in lasso.run for n, usual in self.usual.items())
         return len(lasso.run), active
 
 
-def _without_parts(values: tuple[Guard, ...]) -> Iterator[tuple[Guard, ...]]:
-    """Leave out a half, a quarter, ... one step."""
-    size = (len(values) + 1) // 2
+def _distinct(values: Iterable[Guard]) -> list[Guard]:
+    return list({frozenset(value.items()): value for value in values}.values())
+
+
+def _parts(length: int) -> Iterator[slice]:
+    """The whole of a sequence, its halves, its quarters, ... its elements."""
+    size = length
     while size:
-        for start in range(0, len(values), size):
-            yield values[:start] + values[start + size :]
-        size = size // 2
+        for start in range(0, length, size):
+            yield slice(start, min(start + size, length))
+        size = (size + 1) // 2 if size > 1 else 0

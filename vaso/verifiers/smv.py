@@ -97,6 +97,5 @@ class _Judge:
         return lasso
 
     def _unconfirmed(self, found: SMVAnswer, doubt: str) -> Answer:
-        reason = f"{self.name} reports a violation, but its counterexample is not confirmed: {doubt}"
+        reason = f"{self.name} reports a violation, but its run is not confirmed: {doubt}"
         return Answer(Verdict.UNKNOWN, self.name, found.seconds, reason=reason)
-

@@ -14,9 +14,7 @@ from vaso.verifiers.base import Answer
 __all__ = ["not_total", "readable"]
 
 
-def not_total(
-    system: TransitionSystem, formulas: Sequence[Formula], engine: str
-) -> list[Answer]:
+def not_total(system: TransitionSystem, formulas: Sequence[Formula], engine: str) -> list[Answer]:
     """One UNKNOWN answer per formula for a system that is not total; none for one that is."""
     try:
         system.check_total()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from vaso.plan.transition_system import Edge, Guard, State, TransitionSystem
+from vaso.plan.transition_system import Guard, State, TransitionSystem
 
 __all__ = ["to_dot"]
 
@@ -25,7 +25,7 @@ def to_dot(system: TransitionSystem) -> str:
     for number, state in enumerate(system.states):
         lines.append(f"  {number} [label={_text(_describe(number, state))}{_style(state)}];")
     for number, out in enumerate(system.edges):
-        lines += [f"  {number} -> {e.target} [label={_text(_reading(e))}];" for e in out]
+        lines += [f"  {number} -> {e.target} [label={_text([_guard(e.guard)])}];" for e in out]
     return "\n".join([*lines, "}"]) + "\n"
 
 
@@ -40,10 +40,6 @@ def _describe(number: int, state: State) -> Iterable[str]:
 
 def _style(state: State) -> str:
     return ', style="rounded,dashed"' if state.cut else ""
-
-
-def _reading(edge: Edge) -> Iterable[str]:
-    yield _guard(edge.guard)
 
 
 def _guard(guard: Guard) -> str:

@@ -98,12 +98,14 @@ class _Writer:
             *self._header(),
             "MODULE main",
             "VAR",
-            f"  state : 0..{len(self.system.states) - 1};",
+            f"  state : 0..{max(1, len(self.system.states) - 1)};",
             *(self._variable(sensor, name) for sensor, name in self.sensors.values()),
             "ASSIGN",
             "  init(state) := 0;",
             "  next(state) := case",
             *(line for number in range(len(self.system.states)) for line in self._branches(number)),
+            # NuSMV takes a variable of one value for a constant, which cannot be assigned to.
+            *(["    state = 1 : 1;  -- not used"] if len(self.system.states) == 1 else []),
             "  esac;",
             *(["DEFINE"] if self.atoms else []),
             *(self._define(atom, name) for atom, name in self.atoms.items()),
@@ -154,12 +156,13 @@ class _Writer:
             f"state in ({_ranges(states)})" + ("" if c == "TRUE" else f" & ({c})")
             for c, states in places.items()
         ]
-        return " | ".join(f"({p})" for p in parts) or "FALSE"
+        return " | ".join(parts if len(parts) == 1 else (f"({p})" for p in parts)) or "FALSE"
 
     def _condition(self, truth: Truth) -> str:
         if isinstance(truth, bool):
             return "TRUE" if truth else "FALSE"
-        return " | ".join(f"({self._guard(guard)})" for guard in truth)
+        guards = [self._guard(guard) for guard in truth]
+        return " | ".join(guards if len(guards) == 1 else (f"({g})" for g in guards))
 
     def _guard(self, guard: Guard) -> str:
         return " & ".join(self._literal(s, v) for s, v in sorted(guard.items())) or "TRUE"
