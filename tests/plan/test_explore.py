@@ -318,3 +318,38 @@ def test_an_uninitialised_variable_in_the_labelling_code_gives_its_line():
 def test_bad_labelling_code_gives_one_message(code, word):
     with pytest.raises(LabellingError, match=word):
         compile_plan("[(0, 0, 0)]", FLY.model_copy(update={"labelling_code": code}))
+
+
+def test_too_many_sensors_in_one_step_meet_the_bound():
+    source = "names = [str(i) for i in range(30)]\nwhile True:\n    if all([yolo_listener(n) for n in names]):\n        stop()\n    else:\n        forward()\n"
+    system = compiled(source)
+    assert system.cut is not None and "sensor valuations" in system.cut.reason
+    assert system.cut.line == 3 and system.cut.depth == 0
+
+
+def test_importing_sleep_does_not_make_the_clock_part_of_the_state():
+    source = "from time import sleep\nwhile True:\n    forward()\n    sleep(0.1)\n"
+    assert compiled(source).cut is None
+
+
+def test_an_endless_sleep_meets_the_bound():
+    system = compiled("forward()\ntime.sleep(1e9)\nstop()\n", budget=Budget(states=50))
+    assert system.cut is not None and all("stop" not in s.api for s in system.states)
+
+
+@pytest.mark.parametrize("source", ["x = '\ud800'\n", "\0", "(" * 5000])
+def test_text_that_is_no_text_is_refused(source):
+    with pytest.raises(PlanError):
+        compile_plan(source, DRIVE)
+
+
+def test_wrong_arguments_of_an_api_are_not_a_pass():
+    system = compiled("forward(3)\n")
+    assert system.cut is not None and "TypeError" in system.cut.reason and system.cut.line == 1
+    assert not system.cut.supported
+
+
+def test_objects_of_the_plan_do_not_reach_the_labelling_code():
+    with pytest.raises(UnsupportedPlanError, match="object of a class") as caught:
+        compile_plan("class A:\n    pass\nset_velocity(A(), 0.0)\n", DRIVE)
+    assert caught.value.line == 3

@@ -35,10 +35,12 @@ class Budget:
     Attributes:
         states: Largest number of control states.
         seconds: Longest wall time.
+        branches: Largest number of sensor valuations that one step may tell apart.
     """
 
     states: int = 5_000
     seconds: float = 30.0
+    branches: int = 1_024
 
 
 def compile_plan(
@@ -146,22 +148,29 @@ class _Exploration:
         self.states: list[State] = []
         self.edges: list[tuple[Edge, ...]] = []
         self.queue: deque[int] = deque()
+        self.bound = ""
+        self.deadline = time.monotonic() + budget.seconds
 
     def run(self) -> TransitionSystem:
         """Explore until nothing is left or the budget is spent."""
-        deadline = time.monotonic() + self.budget.seconds
         self._add(self.stepper.initial(), 0)
-        bound = ""
-        while self.queue and not bound:
+        while self.queue and not self._spent():
             number = self.queue.popleft()
-            self.edges[number] = self._expand(number)
-            if len(self.states) > self.budget.states:
-                bound = f"the bound of {self.budget.states} states was reached"
-            elif time.monotonic() > deadline:
-                bound = f"the bound of {self.budget.seconds:g} seconds was reached"
+            edges = self._expand(number)
+            if edges is None:
+                self._close(number)
+            else:
+                self.edges[number] = edges
         for number in self.queue:
             self._close(number)
-        return self._system(bound)
+        return self._system()
+
+    def _spent(self) -> bool:
+        if len(self.states) > self.budget.states:
+            self.bound = f"the bound of {self.budget.states} states was reached"
+        elif time.monotonic() > self.deadline:
+            self.bound = f"the bound of {self.budget.seconds:g} seconds was reached"
+        return bool(self.bound)
 
     def _add(self, config: Config, depth: int) -> int:
         number = self.index.get(config.key)
@@ -201,7 +210,8 @@ class _Exploration:
                 histories.append(here.history)
         self.labeller.prefill(config, histories)
 
-    def _expand(self, number: int) -> tuple[Edge, ...]:
+    def _expand(self, number: int) -> tuple[Edge, ...] | None:
+        """The edges of a state; None where a step tells too many sensor valuations apart."""
         edges: list[Edge] = []
         todo: list[dict[str, Scalar]] = [{}]
         config, depth = self.configs[number], self.depths[number] + 1
@@ -213,6 +223,13 @@ class _Exploration:
                 self.sensors.setdefault(name, Sensor(name, tuple(domain)))
             target = self._add(after, depth)
             edges.append(Edge(reader.valuation, target, after.line, tuple(reader.reads)))
+            if len(edges) + len(todo) > self.budget.branches:
+                line = reader.reads[-1][1] if reader.reads else None
+                reason = f"one step depends on more than {self.budget.branches} sensor valuations"
+                self.stepper.cut_reasons.append((reason, line, True))
+                return None
+            if todo and self._spent():
+                return None
         return tuple(edges)
 
     def _close(self, number: int) -> None:
@@ -220,7 +237,7 @@ class _Exploration:
         self.states[number] = replace(self.states[number], cut=True)
         self.edges[number] = (Edge({}, number),)
 
-    def _system(self, bound: str) -> TransitionSystem:
+    def _system(self) -> TransitionSystem:
         return TransitionSystem(
             states=tuple(self.states),
             edges=tuple(self.edges),
@@ -228,16 +245,16 @@ class _Exploration:
             dt=self.session.robot.dt,
             source=self.session.plan.source,
             warnings=(*self.stepper.warnings, *self._remarks()),
-            cut=self._cut(bound),
+            cut=self._cut(),
         )
 
-    def _cut(self, bound: str) -> Cut | None:
+    def _cut(self) -> Cut | None:
         depths = [d for d, s in zip(self.depths, self.states, strict=True) if s.cut]
         if not depths:
             return None
         reasons: list[Any] = sorted(self.stepper.cut_reasons, key=lambda r: r[2])
-        reason, line, supported = reasons[0] if reasons else (bound, None, True)
-        return Cut(reason, line, min(depths) - 1, supported)
+        reason, line, supported = reasons[0] if reasons else (self.bound, None, True)
+        return Cut(reason, line, max(0, min(depths) - 1), supported)
 
     def _remarks(self) -> list[str]:
         direct = sorted({c.line for c in self.configs if c.origin is Origin.PLAN and c.line})

@@ -30,7 +30,7 @@ from pydantic_monty import (
 from vaso.plan.snapshot import KeyMaker
 
 TURN_SECONDS = 1.0
-MEMORY_BYTES = 64_000_000
+MEMORY_BYTES = 16_000_000
 RECURSION_DEPTH = 400
 _POLICY: Any = {
     "datetime": "call_host",

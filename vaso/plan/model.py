@@ -31,7 +31,7 @@ class Plan(BaseModel):
             PlanError: The file is missing or is not UTF-8 text.
         """
         try:
-            text = Path(path).read_text(encoding="utf-8")
+            text = Path(path).read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError) as error:
             raise PlanError(f"the plan cannot be read: {error}", source=str(path)) from error
         return cls(source=text, task=task, path=str(path))

@@ -104,6 +104,7 @@ def parse_python(source: str, name: str, error: type[PlanError] = PlanError) -> 
         PlanError: It is not Python; the message carries line, column and the offending text.
     """
     try:
+        source.encode()
         return ast.parse(source)
     except SyntaxError as wrong:
         text = (wrong.text or "").strip()
@@ -150,7 +151,8 @@ def uses_clock(tree: ast.AST) -> bool:
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and node.attr in clocks:
             return True
-        if isinstance(node, ast.ImportFrom) and node.module in ("time", "datetime"):
+        names = node.names if isinstance(node, ast.ImportFrom) else []
+        if any(a.name in {*clocks, "*", "datetime"} for a in names):
             return True
     return False
 

@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
+from pydantic_monty import MontyClassProxy
+
 from vaso.errors import PlanError, UnsupportedPlanError
 from vaso.plan.config import EPOCH, Config, Origin, Reader, Turn
 from vaso.plan.labelling import Commanded, Labelling, Outcome, Returned, Slept, Threw
@@ -153,10 +155,12 @@ class Stepper:
     ) -> Config | tuple[Continuation, Continuation]:
         """Answer one call of the plan; a configuration if a period passes because of it."""
         if event.name in self.labelling.functions:
-            reader.reads.append((event.name, event.line))
+            self._refuse_objects(event)
             outcome = self.labelling.request(
                 lab, event.name, event.args, event.kwargs, reader.ask, self._now(here)
             )
+            if isinstance(outcome, Returned) and event.name not in self.actions:
+                reader.reads.append((event.name, event.line))
             call = _Pending(at, event.name, _show(event), event.line)
             return self._period(outcome, call, here) or self._answered(outcome, call)
         if sensor := self.platform.sensor(event.name):
@@ -309,6 +313,15 @@ class Stepper:
             raise PlanError(
                 error.message, source=self.name, line=event.line, expected=error.expected
             ) from error
+
+    def _refuse_objects(self, event: Call) -> None:
+        if any(isinstance(a, MontyClassProxy) for a in (*event.args, *event.kwargs.values())):
+            raise UnsupportedPlanError(
+                f"'{event.name}' is called with an object of a class of the plan",
+                source=self.name,
+                line=event.line,
+                expected="numbers, texts, lists and dictionaries",
+            )
 
     def _unknown(self, event: Call) -> PlanError:
         if event.is_os:

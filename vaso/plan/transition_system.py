@@ -199,19 +199,18 @@ class TransitionSystem:
                 self._check_partition(index, f"label {name}", [c.guard for c in cases])
 
     def _check_partition(self, state: int, what: str, guards: Sequence[Guard]) -> None:
-        """Split by the sensors that are mentioned until one guard, and only one, is left."""
-        pending: list[tuple[dict[str, Scalar], list[Guard]]] = [({}, list(guards))]
-        while pending:
-            valuation, left = pending.pop()
-            open_sensors = (name for g in left for name in g if name not in valuation)
-            name = next(open_sensors, None)
-            if name is None:
+        """Split on one sensor after the other until one guard is left, or none, or two."""
+        todo: list[tuple[dict[str, Scalar], Sequence[Guard]]] = [({}, guards)]
+        while todo:
+            fixed, left = todo.pop()
+            sensor = next((n for g in left for n in g if n not in fixed), None)
+            if sensor is None:
                 if len(left) != 1:
-                    raise LookupError(f"state {state}: {len(left)} {what} cases under {valuation}")
+                    raise LookupError(f"state {state}: {len(left)} {what} cases under {fixed}")
                 continue
-            for value in self.sensor(name).domain:
-                agreeing = [g for g in left if name not in g or g[name] == value]
-                pending.append(({**valuation, name: value}, agreeing))
+            for value in self.sensor(sensor).domain:
+                agree = [g for g in left if g.get(sensor, value) == value]
+                todo.append(({**fixed, sensor: value}, agree))
 
 
 def covers(guard: Guard, valuation: Guard) -> bool:
