@@ -49,7 +49,7 @@ fi
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 say "PyNuSMV: built from source once (1-3 minutes), cached afterwards"
-"$UV" build --quiet --wheel --python "$PYTHON" --out-dir "$out" third_party/pynusmv
+"$UV" build --wheel --python "$PYTHON" --out-dir "$out" third_party/pynusmv
 
 say "installing the packages of uv.lock into .venv"
 "$UV" sync --frozen --python "$PYTHON" --extra adalflow
