@@ -1,0 +1,209 @@
+"""``adalflow``: LLM-AutoDiff (arXiv 2501.16673) over the texts of a skill, as the paper uses it.
+
+Forward, backward and proposals are AdalFlow's own, with its default settings; what to accept is the
+shared loop's decision, with the verifier as judge.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from vaso.errors import ModelError
+from vaso.lm import explain
+from vaso.optimizers.adalflow_setup import CharacterCount, import_adalflow, private_home
+from vaso.optimizers.base import Case, LossValue, Proposal, State
+from vaso.optimizers.budget import BudgetExhausted
+from vaso.optimizers.parameters import ROLES
+from vaso.optimizers.propose_check import fresh
+from vaso.optimizers.quiet import quiet
+
+if TYPE_CHECKING:
+    from vaso.optimizers.adalflow_parts import DspyClient, TextOptimizer
+
+WHOLE_TEXT = "Give the whole new value, ready to be used: Python source or LTL formulas alone."
+
+
+@dataclass(frozen=True)
+class AutoDiff:
+    """Proposes by textual gradient descent.
+
+    Attributes:
+        max_proposals: Proposals per step.
+        max_error_samples: Failing cases whose gradients a step uses.
+        max_correct_samples: Passing cases that a step shows.
+    """
+
+    max_proposals: int = 5
+    max_error_samples: int = 2
+    max_correct_samples: int = 2
+    name: str = "adalflow"
+    needs_lm: bool = True
+    deterministic: bool = False
+
+    def propose(self, state: State) -> Iterator[Proposal]:
+        """Forward and backward on a sample of the cases; then one proposal after the other.
+
+        Where a proposal changes several texts and is turned down, each change is tried on its own:
+        that asks no model.
+        """
+        import_adalflow()
+        with ExitStack() as stack:
+            step = _Step(state, stack.enter_context(private_home()))
+            stack.callback(step.close)
+            step.backward(self._sample(state))
+            for _ in range(self.max_proposals):
+                proposal = step.propose()
+                yield proposal
+                for name in proposal.texts if len(proposal.texts) > 1 else ():
+                    yield Proposal({name: proposal.texts[name]}, f"{proposal.note} ({name} alone)")
+                step.revert()
+
+    def _sample(self, state: State) -> list[tuple[Case, LossValue]]:
+        failing, passing = state.failing, [i for i in state.values.items() if i[1].verified]
+        errors = state.rng.sample(failing, min(self.max_error_samples, len(failing)))
+        correct = state.rng.sample(passing, min(self.max_correct_samples, len(passing)))
+        return errors + correct
+
+
+class _Step:
+    """The AdalFlow objects of one step."""
+
+    def __init__(self, state: State, home: str) -> None:
+        from adalflow.core.generator import BackwardEngine
+
+        from vaso.optimizers import adalflow_parts as parts
+
+        self.state = state
+        self.cases = {str(i): case for i, case in enumerate(state.values)}
+        self.client: DspyClient = parts.DspyClient(lambda n: fresh(state.lm, state, n))
+        model = {"model_client": self.client, "model_kwargs": {"model": "dspy"}}
+        with quiet("adalflow"):
+            self.texts = _parameters(state)
+            self.engine: Any = BackwardEngine(**model, cache_path=home, use_cache=False)
+            self.planner = parts.PlanComponent(self._plan, self.engine)
+            self.loss = parts.VerifierLoss(self._score)
+            self.optimizer: TextOptimizer = parts.TextOptimizer(self.texts, **_renamed(model))
+        for generator in (self.engine, self.optimizer.llm_optimizer):
+            generator._tokenizer = CharacterCount()
+        self._take_up_history()
+
+    def close(self) -> None:
+        """Close the caches, which are open data bases."""
+        for generator in (self.engine, self.optimizer.llm_optimizer):
+            generator.cache.close()
+
+    # -- forward -------------------------------------------------------------------------------
+
+    def _value(self, case: str, texts: dict[str, str] | None = None) -> LossValue:
+        return self.state.evaluate(self.state.params.replace(texts or {}), self.cases[case])
+
+    def _plan(self, case: str, texts: dict[str, str]) -> str:
+        return self._value(case, texts).plan
+
+    def _score(self, case: str) -> float:
+        return self._value(case).score
+
+    # -- backward ------------------------------------------------------------------------------
+
+    def backward(self, sample: list[tuple[Case, LossValue]]) -> None:
+        """Forward and backward pass for some cases."""
+        ids = {case: number for number, case in self.cases.items()}
+        for case, value in sample:
+            verdict = _verdict(value)
+            with quiet("adalflow"):
+                given = {p.name: p for p in (*self.texts, *_given(case, self.state))}
+                plan = self.planner.forward(id=ids[case], **given)
+                self.loss.evaluate(plan, ids[case], verdict).backward()
+            self._raise_if_hopeless()
+
+    # -- proposals -----------------------------------------------------------------------------
+
+    def propose(self) -> Proposal:
+        """Ask for a new value of every text that may change.
+
+        Raises:
+            ModelError: The model did not answer for any of them.
+            BudgetExhausted: The model may not be asked any more.
+        """
+        self.client.errors.clear()
+        with quiet("adalflow"):
+            self.optimizer.propose()
+        params = self.state.params
+        texts = {p.name: p.data for p in self.texts if p.data != params[p.name]}
+        self._raise_if_hopeless(give_up=not texts)
+        said = {p.name: self.optimizer.current_tgd_output[p.id] for p in self.texts}
+        methods = [f"{name}: {output.method}" for name, output in said.items() if output]
+        return Proposal(texts, "; ".join(methods))
+
+    def revert(self) -> None:
+        """Note that the proposal failed, and take it back."""
+        with quiet("adalflow"):
+            self.optimizer.add_failed_proposal()
+            self.optimizer.revert()
+
+    def _raise_if_hopeless(self, *, give_up: bool = False) -> None:
+        """Raise what AdalFlow swallowed, where going on is pointless."""
+        for error in map(explain, self.client.errors):
+            permanent = isinstance(error, ModelError) and error.permanent
+            if give_up or permanent or isinstance(error, BudgetExhausted):
+                raise error
+
+    def _take_up_history(self) -> None:
+        """Tell the optimizer of the accepted texts so far, as it would know from its own run."""
+        from adalflow.optim.text_grad.tgd_optimizer import HistoryPrompt
+
+        history = [(r.texts, r.safety) for r in self.state.history if r.accepted]
+        for texts, score in [*history, (dict(self.state.params), self.state.score)]:
+            for p in self.texts:
+                self.optimizer.add_history(p.id, HistoryPrompt(p.id, texts[p.name], score))
+        accepted = [r.step for r in self.state.history if r.accepted]
+        since = self.state.step - 1 - (accepted[-1] if accepted else 0)
+        self.optimizer.steps_from_last_improvement = since
+
+
+def _parameters(state: State) -> list[Any]:
+    """The texts as AdalFlow parameters that know each other as peers."""
+    from vaso.optimizers.adalflow_parts import TextParameter
+
+    texts = [
+        TextParameter(
+            name=name,
+            data=text,
+            role_desc=ROLES[name],  # type: ignore[index]
+            requires_opt=name in state.params.trainable,
+            instruction_to_optimizer=WHOLE_TEXT,
+        )
+        for name, text in state.params.items()
+    ]
+    for text in texts:
+        text.peers = [p for p in texts if p is not text]  # a set would change order from run to run
+    return texts
+
+
+def _given(case: Case, state: State) -> list[Any]:
+    """What a planner gets besides the texts: the task, and the rules that never change."""
+    import adalflow as adal
+
+    rules = "\n".join(r.text for r in state.params.origin.global_rules)
+    given = [("task", "What the robot shall do", case.task), ("rules", "Global rules", rules)]
+    return [
+        adal.Parameter(
+            name=name,
+            role_desc=role,
+            data=data,
+            requires_opt=False,
+            param_type=adal.ParameterType.INPUT,
+        )
+        for name, role, data in given
+    ]
+
+
+def _renamed(model: dict[str, Any]) -> dict[str, Any]:
+    return {"client": model["model_client"], "model_kwargs": model["model_kwargs"]}
+
+
+def _verdict(value: LossValue) -> str:
+    return value.error or str(value.gradient)

@@ -1,0 +1,71 @@
+"""Import AdalFlow so that it does no harm: offline, no output, no files in the user's home."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from vaso.errors import MissingDependencyError
+from vaso.optimizers.quiet import quiet
+
+EXTRA = "adalflow"
+TOKENIZERS = "TIKTOKEN_CACHE_DIR"
+
+
+def import_adalflow() -> None:
+    """Import AdalFlow.
+
+    On import it builds a tokenizer, which tiktoken would download; litellm, which comes with dspy,
+    has it on board.
+
+    Raises:
+        MissingDependencyError: AdalFlow is not installed, or the openai package that it needs.
+    """
+    for package in ("adalflow", "openai"):
+        if importlib.util.find_spec(package) is None:
+            raise MissingDependencyError(package, EXTRA)
+    before = os.environ.get(TOKENIZERS)
+    if before is None and (folder := _tokenizers()):
+        os.environ[TOKENIZERS] = str(folder)
+    try:
+        with quiet("adalflow"):
+            importlib.import_module("adalflow")
+    finally:
+        if before is None:
+            os.environ.pop(TOKENIZERS, None)
+
+
+def _tokenizers() -> Path | None:
+    spec = importlib.util.find_spec("litellm")
+    for place in (spec.submodule_search_locations or []) if spec else []:
+        folder = Path(place) / "litellm_core_utils" / "tokenizers"
+        if folder.is_dir():
+            return folder
+    return None
+
+
+@contextmanager
+def private_home() -> Iterator[str]:
+    """A temporary folder in place of ``~/.adalflow``, where generators put their caches."""
+    generator: Any = importlib.import_module("adalflow.core.generator")
+    before = generator.get_adalflow_default_root_path
+    with tempfile.TemporaryDirectory(prefix="vaso-adalflow-", ignore_cleanup_errors=True) as home:
+        generator.get_adalflow_default_root_path = lambda: home
+        try:
+            yield home
+        finally:
+            generator.get_adalflow_default_root_path = before
+
+
+class CharacterCount:
+    """In place of AdalFlow's tokenizer, which fails on texts such as ``<|endoftext|>``."""
+
+    def count_tokens(self, text: str) -> int:
+        """About four characters are a token."""
+        return len(text) // 4

@@ -1,0 +1,230 @@
+"""The loss of a skill: draw a plan from its texts, verify it, turn the result into a gradient."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from vaso.errors import ModelError, VasoError
+from vaso.feasibility import FeasibilityResult, check
+from vaso.gradient import find_repair, textual_gradient
+from vaso.gradient.model import Edit, Level, TextualGradient
+from vaso.lm import explain
+from vaso.modules.symbolic import SymbolicPlanner
+from vaso.optimizers.alignment import misaligned
+from vaso.optimizers.base import Case, LossValue
+from vaso.optimizers.budget import BudgetExhausted
+from vaso.optimizers.completion import Purpose, completion, purpose, purpose_of_text
+from vaso.optimizers.parameters import Parameters, _digest
+from vaso.plan import Budget, compile_plan
+from vaso.plan.model import Plan
+from vaso.platforms import get_platform
+from vaso.skill import Skill
+from vaso.verdict import VerificationResult
+from vaso.verification import verify
+
+Planner = Callable[[Skill, str], Any]
+"""Gives a :class:`~vaso.plan.Plan`, or a ``dspy.Prediction`` with one in its field ``plan``."""
+Verify = Callable[[Skill, Plan], VerificationResult]
+
+
+SECONDS = 20.0
+"""Bound for exploring a plan, and for checking it."""
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """A plan with what was found out about it."""
+
+    result: VerificationResult
+    purpose: Purpose | None
+    misaligned: frozenset[str]
+
+
+class SkillLoss:
+    """Scores the texts of a skill on a task.
+
+    Syntax gate, feasibility gate, plan, verification, gradient: the first that fails decides. No
+    plan is drawn twice for the same texts and task, no plan is verified twice under the same rules
+    and labels, and no contract is checked twice.
+    """
+
+    def __init__(
+        self,
+        skill: Skill,
+        planner: Planner,
+        *,
+        level: Level | str = Level.BLAME,
+        verify: Verify | None = None,
+        check: Callable[[Skill], FeasibilityResult] = check,
+    ) -> None:
+        """Set up.
+
+        Args:
+            skill: The skill at the start: its plans tell what a plan for each task should do.
+            planner: Writes the plan for a skill and a task prompt.
+            level: How much the gradients say.
+            verify: Verifies a plan of a skill; by default :func:`vaso.verify`, with bounds on the
+                time, since an edit can make a plan grow without end.
+            check: Checks the feasibility of a skill.
+        """
+        self.planner, self.level = planner, Level(level)
+        self.initial = Parameters(skill)
+        self.platform = get_platform(skill.platform)
+        self.verifications = 0
+        self._verify, self._check = verify or _verify_in_time, check
+        self._plans: dict[str, str] = {}
+        self._judged: dict[str, _Judged] = {}
+        self._conflicts: dict[str, str] = {}
+        self._repairs: dict[str, Edit | None] = {}
+
+    def __call__(self, params: Parameters, case: Case) -> LossValue:
+        """Evaluate texts on a case.
+
+        Raises:
+            ModelError: The planner's language model does not answer.
+        """
+        if problems := params.problems():
+            return LossValue.malformed(problems, self.level)
+        try:
+            if conflict := self._conflict(params.skill):
+                return LossValue.malformed({"local_rule": conflict}, self.level)
+            return self._value(params, case, self._plan(params, case))
+        except VasoError as error:
+            if isinstance(error, ModelError):
+                raise
+            return LossValue.malformed({"plan_template": str(error)}, self.level)
+
+    # -- plans that were drawn can be taken along ---------------------------------------------
+
+    def state(self) -> dict[str, Any]:
+        """What a checkpoint keeps: the plans, which a language model may have been paid for."""
+        return {"plans": dict(self._plans)}
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Take up the state of an earlier run."""
+        self._plans.update(state.get("plans", {}))
+
+    # -- stages --------------------------------------------------------------------------------
+
+    def _conflict(self, skill: Skill) -> str:
+        """The feedback for an infeasible skill; empty for one that is feasible or undecided."""
+        key = _digest(f"{r.role}:{r.text}" for r in (*skill.rules, *skill.assumptions))
+        if key not in self._conflicts:
+            found = self._check(skill)
+            infeasible = found.feasible is False
+            self._conflicts[key] = (found.feedback or found.summary()) if infeasible else ""
+        return self._conflicts[key]
+
+    def _plan(self, params: Parameters, case: Case) -> Plan:
+        key = _digest([params.key, case.task, str(case.sample)])
+        if key not in self._plans:
+            self._plans[key] = self._draw(params.skill, case).source
+        return Plan(source=self._plans[key], task=case.task)
+
+    def _draw(self, skill: Skill, case: Case) -> Plan:
+        try:
+            return _plan_of(self.planner(skill, case.task))
+        except (VasoError, BudgetExhausted):
+            raise
+        except Exception as error:
+            problem = explain(error)
+            if isinstance(problem, ModelError):
+                raise problem from error
+            raise VasoError(f"the planner failed: {type(error).__name__}: {error}") from error
+
+    def _judge(self, skill: Skill, plan: Plan) -> _Judged:
+        """The verdict on a plan. It is kept without the transition system, which may be large."""
+        rules = [f"{r.role}:{r.text}" for r in (*skill.rules, *skill.assumptions)]
+        key = _digest([*rules, skill.labelling_code, plan.source])
+        if key not in self._judged:
+            self.verifications += 1
+            result = self._verify(skill, plan)
+            system = result.system
+            self._judged[key] = _Judged(
+                replace(result, system=None),
+                purpose(system, self.platform) if system else None,
+                misaligned(system, self.platform) if system else frozenset(),
+            )
+        return self._judged[key]
+
+    def with_system(self, params: Parameters, value: LossValue) -> LossValue:
+        """A value whose result has its transition system, for those who look closer."""
+        if value.result is None or value.result.system is not None:
+            return value
+        return replace(value, result=self._explored(params.skill, value.result))
+
+    def _explored(self, skill: Skill, result: VerificationResult) -> VerificationResult:
+        try:
+            return replace(result, system=compile_plan(result.plan, skill, platform=self.platform))
+        except VasoError:
+            return result
+
+    def _reference(self, case: Case) -> tuple[Purpose, frozenset[str]]:
+        """What the first plan for a case can do, and where its labels were wrong already."""
+        plan = self._plan(self.initial, case)
+        judged = self._judge(self.initial.skill, plan)
+        return judged.purpose or purpose_of_text(plan.source, self.platform), judged.misaligned
+
+    def _value(self, params: Parameters, case: Case, plan: Plan) -> LossValue:
+        skill = params.skill
+        judged = self._judge(skill, plan)
+        reference, accepted = self._reference(case)
+        if lies := sorted(judged.misaligned - accepted):
+            message = f"the labels do not tell the truth about the robot: {', '.join(lies)}"
+            return LossValue.malformed({"labelling_code": message}, self.level)
+        kept, lost = completion(reference, judged.purpose)
+        result = judged.result
+        return LossValue(
+            score=1.0 if result else min(result.safety, 1.0 - 1e-6),
+            make_gradient=lambda: self._gradient(result, params, case),
+            feedback=_feedback(result),
+            result=result,
+            plan=plan.source,
+            completion=kept,
+            lost=lost,
+        )
+
+    def _gradient(
+        self, result: VerificationResult, params: Parameters, case: Case
+    ) -> TextualGradient:
+        search = self.level is Level.REPAIR and not result
+        edit = self._repair(params, case) if search else None
+        explored = self._explored(params.skill, result)
+        return textual_gradient(explored, skill=params.skill, level=self.level, repair=edit)
+
+    def _repair(self, params: Parameters, case: Case) -> Edit | None:
+        """A verified edit of the template; its plans are the symbolic planner's, which is free."""
+        key = _digest([params.key, case.task])
+        if key not in self._repairs:
+            skill, draw = params.skill, SymbolicPlanner()
+            self._repairs[key] = find_repair(
+                skill,
+                params["plan_template"],
+                verify=lambda plan: self._judge(skill, Plan(source=plan)).result,
+                plans=lambda text: [draw(_with_template(skill, text), case.task).source],
+                platform=self.platform,
+            )
+        return self._repairs[key]
+
+
+def _verify_in_time(skill: Skill, plan: Plan) -> VerificationResult:
+    return verify(skill, plan, budget=Budget(seconds=SECONDS), timeout=SECONDS)
+
+
+def _plan_of(answer: Any) -> Plan:
+    """The plan, also where a dspy module wraps it in a prediction."""
+    return answer if isinstance(answer, Plan) else answer.plan
+
+
+def _with_template(skill: Skill, text: str) -> Skill:
+    return skill.with_parameters({"plan_template": text})
+
+
+def _feedback(result: VerificationResult) -> dict[str, str]:
+    """What is known to be wrong, by text."""
+    if result.problem is not None:
+        return {"plan_template": result.problem.message}
+    violated = [f"violates {s.spec}" for s in result.failures]
+    return {"plan_template": "\n".join(violated)} if violated else {}

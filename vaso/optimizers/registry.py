@@ -1,0 +1,68 @@
+"""Optimizers by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from vaso.errors import OptimizerError
+from vaso.optimizers.base import Optimizer, Proposer
+from vaso.optimizers.loop import LoopOptimizer
+
+Factory = Callable[[], Any]
+
+_BUILT_IN = {
+    "repair": ("vaso.optimizers.repair", "Repair"),
+    "loop": ("vaso.optimizers.propose_check", "ProposeAndCheck"),
+    "adalflow": ("vaso.optimizers.adalflow", "AutoDiff"),
+}
+_registered: dict[str, Factory] = {}
+
+
+def register_optimizer(name: str, factory: Factory) -> None:
+    """Make an optimizer available by name.
+
+    Args:
+        name: The name that a user writes.
+        factory: Returns an :class:`~vaso.optimizers.base.Optimizer`, or just a
+            :class:`~vaso.optimizers.base.Proposer`, which then runs in the shared loop. It is
+            called each time that the optimizer is asked for; import heavy packages in it.
+    """
+    _registered[name] = factory
+
+
+def optimizers() -> list[str]:
+    """The names that there are."""
+    return sorted({*_BUILT_IN, *_registered})
+
+
+def get_optimizer(optimizer: str | Optimizer | Proposer) -> Optimizer:
+    """An optimizer by name; an instance is returned as it is, a proposer with the loop around it.
+
+    Raises:
+        OptimizerError: There is none of that name.
+        MissingDependencyError: The package that it needs is not installed.
+    """
+    found: Any = _make(optimizer) if isinstance(optimizer, str) else optimizer
+    if hasattr(found, "optimize"):
+        return found  # type: ignore[no-any-return]
+    if hasattr(found, "propose"):
+        return LoopOptimizer(found)
+    raise OptimizerError(
+        f"{optimizer!r} is not an optimizer",
+        expected=f"one of {', '.join(optimizers())}, or an object with 'optimize' or 'propose'",
+    )
+
+
+def _make(name: str) -> Any:
+    if name in _registered:
+        return _registered[name]()
+    if name not in _BUILT_IN:
+        raise OptimizerError(
+            f"there is no optimizer '{name}'",
+            expected=f"one of {', '.join(optimizers())}",
+            hint="register your own with vaso.optimizers.register_optimizer(name, factory)",
+        )
+    module, attribute = _BUILT_IN[name]
+    return getattr(import_module(module), attribute)()

@@ -1,0 +1,123 @@
+"""``vaso.optimize``: from a skill and tasks to an optimized skill."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from pathlib import Path
+from typing import Any
+
+from vaso.errors import OptimizerError
+from vaso.feasibility import check
+from vaso.gradient.model import Level
+from vaso.lm import get_lm, import_dspy, metered
+from vaso.optimizers.base import Case, OnEvent, Optimizer, Proposer
+from vaso.optimizers.budget import Budget, Ledger
+from vaso.optimizers.loop import LoopOptimizer
+from vaso.optimizers.loss import Planner, SkillLoss
+from vaso.optimizers.parameters import DEFAULT_TRAINABLE, Parameters
+from vaso.optimizers.registry import get_optimizer
+from vaso.optimizers.result import OptimizationResult
+from vaso.optimizers.store import RunStore
+from vaso.skill import ParameterName, Skill
+from vaso.skill_file import load_skill, load_tasks
+
+
+def optimize(
+    skill: Skill | str | Path,
+    tasks: Iterable[str] | str | Path | None = None,
+    *,
+    optimizer: str | Optimizer | Proposer = "repair",
+    lm: Any = None,
+    planner: Planner | None = None,
+    level: Level | str = Level.BLAME,
+    trainable: Sequence[ParameterName] | None = None,
+    out: str | Path | None = None,
+    resume: bool = False,
+    budget: Budget | int | dict[str, Any] | None = None,
+    seed: int = 0,
+    on_event: OnEvent | None = None,
+) -> OptimizationResult:
+    """Improve a skill until the plans that it leads to are verified.
+
+    Args:
+        skill: A skill, the name of a shipped one (its faulty first version is taken), or a file.
+        tasks: Task prompts, or a tasks file (its seen prompts); by default those beside the skill.
+        optimizer: ``repair`` (symbolic), ``loop`` or ``adalflow`` (with a language model), a
+            registered name, or an instance.
+        lm: A ``dspy.LM`` or its name, for optimizers that need one and for the planner.
+        planner: Writes the plan for a skill and a prompt. By default the symbolic planner, which
+            needs no model; a ``vaso.modules.Planner`` uses ``lm``.
+        level: How much the textual gradients say: ``verdict``, ``trace``, ``blame``, ``repair``.
+        trainable: The texts that may change. By default labelling code and plan template, and the
+            local rule only where no plan can satisfy it.
+        out: A folder for checkpoint, event log, result and the best skill.
+        resume: Go on from the checkpoint in ``out``, if there is one.
+        budget: What may be spent; a number is a number of steps.
+        seed: Seed of everything random.
+        on_event: Called with every :class:`~vaso.optimizers.events.Event`.
+
+    Returns:
+        The best skill found, truthy if it is verified on every task. Never worse than the start.
+
+    Raises:
+        SkillError: The skill or the tasks cannot be read.
+        ModelError: A language model is needed and none is given.
+        OptimizerError: No such optimizer, a bad budget, or a checkpoint of another run.
+        MissingDependencyError: The optimizer's package is not installed.
+    """
+    start = skill if isinstance(skill, Skill) else _load(skill)
+    cases = [Case(task) for task in _tasks(start, tasks)]
+    if not cases:
+        raise OptimizerError("there are no tasks to optimize on", hint="give tasks=[…]")
+    chosen = get_optimizer(optimizer)
+    ledger = Ledger(Budget.of(budget))
+    needed = lm is not None or chosen.needs_lm or _is_dspy_module(planner)
+    model = metered(get_lm(lm), ledger) if needed else None
+    feasible = check(start).feasible
+    params = Parameters(start, trainable=trainable or _trainable(feasible))
+    loss = SkillLoss(start, planner or _symbolic(), level=level)
+    store = RunStore(out, resume=resume) if out is not None else None
+    common: dict[str, Any] = {"lm": model, "seed": seed, "on_event": on_event, "store": store}
+    with _using(model):
+        if isinstance(chosen, LoopOptimizer):
+            return chosen.optimize(params, loss, cases, ledger=ledger, **common)
+        return chosen.optimize(params, loss, cases, budget=ledger.budget, **common)
+
+
+def _load(skill: str | Path) -> Skill:
+    """The faulty first version of a shipped skill; any other file as it is."""
+    return load_skill(skill, version="initial")
+
+
+def _tasks(skill: Skill, tasks: Iterable[str] | str | Path | None) -> list[str]:
+    if tasks is None:
+        return list(load_tasks(skill).seen)
+    if isinstance(tasks, (str, Path)) and Path(tasks).suffix in (".yaml", ".yml"):
+        return list(load_tasks(tasks).seen)
+    return [tasks] if isinstance(tasks, str) else [str(t) for t in tasks]  # type: ignore[union-attr]
+
+
+def _trainable(feasible: bool | None) -> tuple[ParameterName, ...]:
+    """The local rule may change only where no plan can satisfy it."""
+    return ("local_rule", *DEFAULT_TRAINABLE) if feasible is False else DEFAULT_TRAINABLE
+
+
+def _symbolic() -> Planner:
+    from vaso.modules.symbolic import SymbolicPlanner
+
+    return SymbolicPlanner()
+
+
+def _is_dspy_module(planner: Any) -> bool:
+    dspy = sys.modules.get("dspy")
+    return dspy is not None and isinstance(planner, dspy.Module)
+
+
+def _using(model: Any) -> AbstractContextManager[Any]:
+    """Let planners that are dspy modules use the metered model."""
+    if model is None:
+        return nullcontext()
+    context: Callable[..., AbstractContextManager[Any]] = import_dspy().context
+    return context(lm=model)
