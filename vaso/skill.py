@@ -119,7 +119,7 @@ class Skill(BaseModel):
             if name == "local_rule":
                 changes["local_rules"] = _rules(text, self)
             elif name in ("labelling_code", "plan_template"):
-                changes[name] = text
+                changes[name] = text.strip("\n")
             else:
                 raise SkillError(
                     f"'{name}' is not a parameter of a skill",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any, NamedTuple
 
 import yaml
@@ -9,6 +10,7 @@ import yaml
 from vaso.errors import SkillError
 
 MAX_CHARACTERS = 20_000
+_ENTRY = re.compile(r"[\w\"'-]+\s*:")
 PLATFORM_KEYS = ("platform", "vaso-platform", "vaso_platform")
 
 
@@ -57,7 +59,7 @@ def read_front_matter(lines: list[str], source: str | None) -> FrontMatter:
         return FrontMatter()
     end = next((i for i in range(start + 1, len(lines)) if lines[i].rstrip() in ("---", "...")), 0)
     block = lines[start + 1 : end]
-    if not end or not any(":" in line for line in block):
+    if not end or not _ENTRY.match(next(filter(str.strip, block), "")):
         return FrontMatter()
     data = _load("\n".join(block), source, start + 2)
     return _interpret(data, source, start + 1)._replace(lines=end + 1)

@@ -69,7 +69,7 @@ def find_folder(name_or_path: str | Path) -> Path:
         return Path(str(importlib.resources.files("vaso.skills"))) / slug(text)
     path = Path(name_or_path)
     try:
-        if path.is_dir():
+        if text and path.is_dir():
             return path
         if path.is_file():
             return path.parent

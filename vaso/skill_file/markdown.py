@@ -21,7 +21,7 @@ _BOLD = re.compile(r"\s*(?:(?:[-*+]|\d+[.)])\s+)?(\*\*|__)(?=\S)(.+?)(?<=\S)\1\s
 _NUMBERED = re.compile(r"\s*\(?\d+[.)]\s+")
 _UNDERLINE = re.compile(r"\s{0,3}(=+|-+)\s*")
 _FENCE = re.compile(r"(\s*(?:(?:[-*+]|\d+[.)])\s+)?)(`{3,}|~{3,})\s*([^`]*)")
-_MARKS = re.compile(r"[*_`]+")
+_MARKS = re.compile(r"[*`]+|__+")
 
 LABEL_LEVEL = 7
 """Rank of a bold or plain label: below every heading."""

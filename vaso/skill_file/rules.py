@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from vaso.errors import FormulaError, SkillError
-from vaso.ltl import parse_with_warnings
+from vaso.ltl import Constant, Proposition, parse_with_warnings
 from vaso.skill import Role, Rule
 from vaso.skill_file.markdown import Block, Fence, Text
 from vaso.skill_file.titles import Kind, read_title
@@ -26,11 +26,13 @@ ROLES: dict[Kind, Role] = {
 
 _BULLET = re.compile(r"\s*(?:[-*+•–]|\(?(?:\d{1,3}|[a-z])[.)])\s+(?=\S)")
 _SPAN = re.compile(r"(\*\*|__|\*)?(`{1,3}|\${1,2}|\*\*|__)(?=\S)(.+?)\2(\*\*|__|\*)?", re.DOTALL)
-_LABEL = re.compile(r"\s*([^`$:=]{1,60}?)\s*(?::=|[:=–—]|\s-\s)\s*(?=\S)")
+_LABEL = re.compile(
+    r"\s*(?P<label>[^`$:=]{1,200}?)\s*(?P<sign>:=|[:=–—]|\s-\s)(?:\*\*|__)?\s*(?=\S)"
+)
 _REMARK = re.compile(r"\s{0,4}(?:#|//|--|[–—;,:]|<!--|\s-\s|\.\s|\s\(|\n|$)")
 _SEPARATORS = " \t,;:.–—-#/"
 _ARROW = re.compile(r"<?->|[=⇔↔→⇒⟹⟶⊃]>|[⇔↔→⇒⟹⟶⊃]|\\(?:right|left|Right)\w*arrow|\\to\b|\\implies\b")
-_OPERATOR = re.compile(r"->|=>|[→⇒&|∧∨¬!~<>=≤≥]|\\\w|\b(?:and|or|not|until|implies)\b")
+_OPERATOR = re.compile(r"->|=>|[→⇒&|∧∨¬!~<>=≤≥]|\\\w|\b(?:and|or|not|until|implies|[URVWST])\b")
 _LETTERS = re.compile(r"[\s(\[{¬!~]*(?:[GFXHOYZ]\s*)+(?P<end>[(\[{¬!~\\]|(?<=\s)(?=[a-z_]))")
 _SYMBOLS = re.compile(
     r"[\s(\[{¬!~]*(?:\[\s*\]|<>|[□◻◇◊○◯⃞𝐆𝐅𝐗]|\\(?:Box|Diamond|square|bigcirc|mathbf)\b)"
@@ -42,6 +44,9 @@ _NONE = re.compile(
 )
 _OPEN_END = re.compile(r"(?:->|→|⇒|=>|[&|∧∨,(¬!])\s*$")
 _OPEN_START = re.compile(r"\s*(?:->|→|⇒|=>|[&|∧∨)])")
+_SIGN = re.compile(r"[&|∧∨¬!~<>=≤≥→⇒]")
+_STOP = re.compile(r"[;,#:(—–]|--|//")
+_CODE = re.compile(r"^\s*(?:def|class|import|from|while|for|if|return)\b.*$", re.MULTILINE)
 _DECORATION = re.compile(r"[\s=*_#\-–—~+]*")
 _COMMENT = re.compile(r"\s*(?:#|//|--|==+)")
 _QUOTED = re.compile(r"`[^`]*(?:`|$)|<!--.*?(?:-->|$)", re.DOTALL)
@@ -118,13 +123,18 @@ def _joined(lines: Iterable[Text]) -> Iterator[Text]:
 def _continues(before: str, line: str) -> bool:
     if not before.strip() or not line.strip() or _BULLET.match(line) or len(before) > MAX_LINE:
         return False
-    if before.count("`") % 2:
+    if before.count("`") % 2 and "```" not in before:
         return True
     if _BULLET.match(before) and line[:2].isspace():
         return True
-    if not looks_like_formula(_BULLET.sub("", before, count=1)):
+    if not looks_like_formula(_without_bullet(before)):
         return False
     return _is_open(before) or bool(_OPEN_START.match(line))
+
+
+def _without_bullet(text: str) -> str:
+    bullet = _BULLET.match(text)
+    return text[bullet.end() :] if bullet else text
 
 
 def _is_open(text: str) -> bool:
@@ -133,6 +143,9 @@ def _is_open(text: str) -> bool:
 
 def _read_fence(fence: Fence, kind: Kind, source: str | None, found: RuleSection) -> None:
     """Every line of a fence is a formula or a comment; a comment may name another section."""
+    if _CODE.search(fence.code):
+        found.prose += fence.raw.split("\n")
+        return
     rules: list[Rule] = []
     remark = ""
     for line in _joined(Text(fence.line + i, t) for i, t in enumerate(fence.code.split("\n"))):
@@ -167,17 +180,15 @@ def _read_line(line: Text, role: Role, source: str | None, *, certain: bool = Fa
         source: The file, for messages.
         certain: True where only formulas can stand.
     """
-    text = _BULLET.sub("", line.text, count=1).strip()
+    text = _without_bullet(line.text).strip()
     if len(text) > MAX_LINE:
         raise SkillError(
             "this line is too long", source=source, line=line.line, expected="one formula a line"
         )
-    found = _formula(text, certain)
-    label = _LABEL.match(text)
-    if not found and label and len(label[1].split()) <= 6:
-        found = _formula(text[label.end() :], certain)
-        if found:
-            found.note = f"{label[1].strip('*_ ')}: {found.note}".rstrip(": ")
+    is_row, is_item = text.startswith("|"), text != line.text.strip()
+    found = None if is_row else _labelled(text, is_item) or _formula(text, certain)
+    if is_row or (is_item and not found):
+        found = _embedded(text)
     if not found and certain:
         found = _Found(text, "")
     return list(_rules(found, line, role, source)) if found else []
@@ -192,11 +203,43 @@ class _Found:
     delimited: bool = False
 
 
+def _labelled(text: str, is_item: bool) -> _Found | None:
+    """A formula with a name in front of it, as in ``Rule 4: G(a)``; the name becomes the note."""
+    match = _LABEL.match(text)
+    if not match or _SIGN.search(match["label"]) or looks_like_formula(match["label"]):
+        return None
+    rest = text[match.end() :]
+    found = _formula(rest)
+    if found is None or (match["sign"] == "=" and not (found.delimited or _is_temporal(rest))):
+        return None
+    if found.delimited and not is_item and len(match["label"].split()) > 6:
+        return None  # a sentence about a formula
+    found.note = f"{match['label'].strip('*_ ')}: {_tidy(found.note)}".rstrip(": ")
+    return found
+
+
+def _embedded(text: str) -> _Found | None:
+    """The one formula inside a list item or table row: ``- people: stop at once, `G(a)```."""
+    if text.startswith("|") and "`" not in text:
+        found = [c for c in map(str.strip, text.split("|")) if looks_like_formula(c)]
+        note = " ".join(c.strip() for c in text.split("|") if c.strip() not in found)
+    else:
+        spans = [m for m in _SPAN.finditer(text) if looks_like_formula(m[3])]
+        found = [m[3].strip() for m in spans]
+        note = text.replace(spans[0][0], "").replace("|", " ") if spans else ""
+    return _Found(found[0], note, delimited=True) if len(found) == 1 else None
+
+
+def _is_temporal(text: str) -> bool:
+    return bool(_LETTERS.match(text) or _SYMBOLS.match(text))
+
+
 def _formula(text: str, certain: bool = False) -> _Found | None:
     if span := _SPAN.match(text):
         inner, rest = span[3].strip(), text[span.end() :]
         alone = "`" in span[2] and not rest.strip(_SEPARATORS)
-        if looks_like_formula(inner) or alone or (certain and not rest):
+        certain &= not rest and span[2] != "__"  # which may be part of a name
+        if alone or certain or is_recognised(inner):
             return _Found(inner, rest, delimited=True)
     return _Found(text, "") if looks_like_formula(text) else None
 
@@ -208,15 +251,32 @@ def looks_like_formula(text: str) -> bool:
         return True
     if letters := _LETTERS.match(bare):
         following = bare[letters.end() :]
-        return bool(letters["end"] or _OPERATOR.search(following) or len(following.split()) <= 3)
-    words = _WORDS.match(bare)
-    return bool(words and _OPERATOR.search(bare))
+        words = _STOP.split(following, maxsplit=1)[0].split()
+        return bool(letters["end"] or _OPERATOR.search(following) or len(words) <= 3)
+    return bool(_WORDS.match(bare) and _OPERATOR.search(bare))
+
+
+def is_recognised(text: str) -> bool:
+    """Tell a formula between backticks from a single name, which may be there as a word.
+
+    Args:
+        text: The text between the backticks.
+    """
+    if looks_like_formula(text):
+        return True
+    if not _OPERATOR.search(text):
+        return False
+    try:
+        return not isinstance(parse_with_warnings(text).formula, Proposition | Constant)
+    except FormulaError:
+        return False
 
 
 def _rules(found: _Found, line: Text, role: Role, source: str | None) -> Iterator[Rule]:
     text, note = found.text, found.note
     if not found.delimited:
-        text, note = _split_remark(text, note, line, source)
+        text, note = _split_remark(text, note)
+    text = text.strip("` \n")
     _check(text, line, source)
     further = _further(note)
     yield Rule(text=_one_line(text), role=role, note="" if further else _tidy(note))
@@ -228,12 +288,10 @@ def _further(note: str) -> _Found | None:
     """Another formula on the same line: ``G(a), G(b)``."""
     rest = re.sub(rf"^[{re.escape(_SEPARATORS)}]*(?:(?:and|&)\s)?\s*", "", note)
     found = _formula(rest)
-    if not found or (not found.delimited and not (_LETTERS.match(rest) or _SYMBOLS.match(rest))):
-        return None
-    return found
+    return found if found and (found.delimited or _is_temporal(rest)) else None
 
 
-def _split_remark(text: str, note: str, line: Text, source: str | None) -> tuple[str, str]:
+def _split_remark(text: str, note: str) -> tuple[str, str]:
     """Cut a remark off a formula that has no delimiters: the longest part that can be read."""
     ends = [len(text)]
     if len(text) <= MAX_REMARKED:
@@ -262,6 +320,8 @@ def _error(text: str) -> FormulaError | None:
 def _check(text: str, line: Text, source: str | None) -> None:
     """Raise the parser's error at its place in the file."""
     error = _error(text)
+    if error is None and "`" in text:
+        error = FormulaError("there is a backtick inside the formula", line=1)
     if error is None:
         return
     row = (error.line or 1) - 1

@@ -100,7 +100,8 @@ def read_title(text: str) -> Title | None:
 
 
 def _undashed(kind: Kind, more: str) -> str:
-    return _DASH.sub("", more, count=1) if kind is Kind.SKILL else more
+    dash = _DASH.match(more)
+    return more[dash.end() :] if dash and kind is Kind.SKILL else more
 
 
 def near_miss(text: str) -> Kind | None:

@@ -12,6 +12,7 @@ from pathlib import Path
 from vaso.errors import SkillError
 from vaso.skill import Rule, Skill
 from vaso.skill_file.front_matter import write_front_matter
+from vaso.skill_file.rules import is_recognised
 from vaso.skill_file.titles import Kind
 
 _TICKS = re.compile(r"`{3,}")
@@ -53,18 +54,20 @@ def _rule_section(
     prose = kept.get(kind.heading, "")
     if not rules and not prose and not always:
         return []
-    return [kind.heading, "\n".join(map(_rule, rules)) or "None.", prose]
+    return [kind.heading, "\n".join(map(_rule, rules)).strip() or "None.", prose]
 
 
 def _rule(rule: Rule) -> str:
     text, note = (" ".join(part.split()) for part in (rule.text, rule.note))
+    if note and not is_recognised(text):  # a list item `stop` — remark would read as text
+        return f"\n```ltl\n# {note}\n{text}\n```\n"
     return f"- `{text}` — {note}" if note else f"- `{text}`"
 
 
 def _code_section(kind: Kind, code: str, kept: dict[str, str]) -> list[str]:
     longest = max((len(ticks) for ticks in _TICKS.findall(code)), default=2)
     fence = "`" * (longest + 1)
-    body = f"{code.rstrip()}\n" if code.strip() else ""
+    body = code.rstrip("\n") + "\n" if code.strip() else ""
     return [kind.heading, f"{fence}python\n{body}{fence}", kept.get(kind.heading, "")]
 
 
