@@ -27,6 +27,7 @@ from vaso.gradient.changes.flow import (
 )
 from vaso.gradient.changes.numbers import changed_numbers, changed_numbers_everywhere
 from vaso.gradient.changes.trajectory import mended_set_points, stops, stops_everywhere
+from vaso.gradient.changes.waiting import waits, waits_everywhere
 from vaso.gradient.model import Edit
 from vaso.ltl import parse, variables
 from vaso.platforms import Platform, get_platform
@@ -44,6 +45,8 @@ _REACTIVE: tuple[Family, ...] = (
     other_commands,
     changed_conditions,
     guarded_commands,
+    waits,
+    waits_everywhere,
     further_branches,
     reordered,
     changed_numbers,

@@ -45,7 +45,8 @@ def reordered(program: Program, words: Vocabulary) -> Iterator[Change]:
             if program.owns_its_lines(one) and program.owns_its_lines(other):
                 yield _swapped(program, one, other)
     for statement in program.statements():
-        if isinstance(statement, ast.If) and len(statement.body) == len(statement.orelse) == 1:
+        if _has_two_branches(program, statement):
+            assert isinstance(statement, ast.If)
             yield _swapped(program, statement.body[0], statement.orelse[0])
 
 
@@ -67,6 +68,13 @@ def repeated(program: Program, words: Vocabulary) -> Iterator[Change]:
 
 
 _ONCE = ast.FunctionDef | ast.ClassDef | ast.Import | ast.ImportFrom
+
+
+def _has_two_branches(program: Program, statement: ast.stmt) -> bool:
+    """An ``if`` with an ``else`` (not ``elif``), one statement in each."""
+    if not isinstance(statement, ast.If) or not len(statement.body) == len(statement.orelse) == 1:
+        return False
+    return not program.text(statement.orelse[0]).startswith("elif")
 
 
 def _spans_lines(node: ast.AST) -> bool:

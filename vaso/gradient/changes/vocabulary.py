@@ -26,12 +26,14 @@ class Vocabulary:
         observations: Calls without arguments that sense.
         limits: Numbers that the violated formulas compare with.
         still: For plans that are trajectories, the set-point that stays in place, as text.
+        period: Control period in seconds.
     """
 
     actions: tuple[str, ...] = ()
     observations: tuple[str, ...] = ()
     limits: tuple[float, ...] = ()
     still: str | None = None
+    period: float = 1.0
 
     @classmethod
     def of(
@@ -59,6 +61,7 @@ class Vocabulary:
             observations=tuple(sorted(seen, key=lambda n: n not in first)),
             limits=tuple(dict.fromkeys(n for f in formulas for n in _numbers(f))),
             still=_still(platform),
+            period=platform.dt,
         )
 
 
