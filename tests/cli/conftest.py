@@ -1,13 +1,17 @@
 """Run the command line in this process."""
 
 import json
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from vaso.cli import run
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
 
 
 @dataclass(frozen=True)

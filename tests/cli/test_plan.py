@@ -1,3 +1,6 @@
+from openai_server import OpenAIServer, Status
+
+
 def test_the_plan_is_all_that_is_printed(vaso):
     found = vaso("plan", "drive", "Move forward 5 meters, then turn left by 90 degrees.")
     assert found.code == 0
@@ -25,8 +28,18 @@ def test_out_that_cannot_be_written(vaso, tmp_path):
     assert "cannot be written" in found.err
 
 
-def test_a_model_that_does_not_answer(vaso, monkeypatch):
-    monkeypatch.setenv("OPENAI_API_BASE", "http://127.0.0.1:9/v1")
-    found = vaso("plan", "drive", "go", "--lm", "openai/none")
+def test_a_model_writes_the_plan(vaso, monkeypatch):
+    reply = "[[ ## plan ## ]]\nwhile True:\n    stop()\n\n[[ ## completed ## ]]"
+    with OpenAIServer([reply]) as server:
+        monkeypatch.setenv("OPENAI_API_BASE", server.url)
+        found = vaso("plan", "drive", "wait here", "--lm", "openai/test")
+    assert (found.code, found.out) == (0, "while True:\n    stop()\n")
+    assert "wait here" in server.prompts[0]
+
+
+def test_a_model_that_refuses(vaso, monkeypatch):
+    with OpenAIServer(default=Status(401)) as server:
+        monkeypatch.setenv("OPENAI_API_BASE", server.url)
+        found = vaso("plan", "drive", "go", "--lm", "openai/none")
     assert found.code == 2
     assert "does not answer" in found.err

@@ -56,6 +56,24 @@ def test_different_conditions_stay_on_the_edges():
     assert labels == {(0, 1): "people", (0, 0): "", (1, 1): ""}
 
 
+def test_a_plan_that_counts_is_folded_by_its_lines():
+    states = [state("")]
+    edges = [(Edge({P: True}, 2), Edge({P: False}, 1))]
+    for i in range(50):
+        after = (Edge({P: True}, min(2 * i + 4, 100)), Edge({P: False}, min(2 * i + 3, 99)))
+        states += [state("go()", 5), state("stop()", 3)]
+        edges += [after, after]
+    drawing = condense(TransitionSystem(tuple(states), tuple(edges)))
+    assert drawing.folded
+    assert [(n.title, len(n.states)) for n in drawing.nodes] == [
+        ("(at rest)", 1),
+        ("stop()", 50),
+        ("go()", 50),
+    ]
+    assert [n.entry for n in drawing.nodes[1:]] == ["people", "no people"]
+    assert "all states in which" in automaton_svg(TransitionSystem(tuple(states), tuple(edges)))
+
+
 def test_very_large_automata_are_drawn_in_part():
     states = tuple(state(f"go({i})", i + 1) for i in range(100))
     edges = tuple((Edge({}, min(i + 1, 99)),) for i in range(100))

@@ -64,7 +64,7 @@ def test_counterexample_marks_the_violation_and_the_gap():
     text = plain(counterexample_view(climb_counterexample()))
     (line,) = [t for t in text.splitlines() if "violated here" in t]
     assert line.split()[:3] == ["10", "10", "s"]
-    assert "6 more like this" in text
+    assert "8 more like this" in text
 
 
 def test_plan_view_numbers_lines_and_marks_one():

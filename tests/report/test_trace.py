@@ -45,7 +45,7 @@ def test_a_longer_loop_says_where_it_goes_on():
 
 def test_long_traces_keep_the_start_the_violation_and_the_loop():
     rows = trace_table(climb_counterexample(100)).rows
-    assert [r.step for r in rows if not r.skipped] == [0, 1, 8, 9, 10, 11, 99]
+    assert [r.step for r in rows if not r.skipped] == [0, 9, 10, 11, 99]
     assert sum(r.skipped or 1 for r in rows) == 100
     assert [r.step for r in rows if r.violated] == [10]
     assert rows[0].does == "(at rest)"

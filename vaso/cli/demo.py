@@ -15,7 +15,10 @@ if TYPE_CHECKING:
     from vaso.optimizers import OptimizationResult
     from vaso.verdict import VerificationResult
 
-SKILLS = ("drive", "fly-in-square-shape-traj")
+TASKS = {
+    "drive": "Move forward for 5 meters and turn left by 90 degrees.",
+    "fly-in-square-shape-traj": "Fly in a square-shaped trajectory.",
+}
 STORY = {
     "drive": "A ground robot (Clearpath Jackal) drives ahead. The skill was written by a language "
     "model: its plan template looks harmless.",
@@ -29,7 +32,7 @@ def demo(
 ) -> None:
     """Watch two skills being checked, refuted, repaired and verified. No network, no API key."""
     terminal = console()
-    reports = [_one(terminal, name, out / name) for name in SKILLS]
+    reports = [_one(terminal, name, out / name) for name in TASKS]
     terminal.rule("What next")
     _say(terminal, f"The reports, for a browser: {', '.join(str(r) for r, _ in reports)}")
     _say(terminal, 'vaso plan drive "move forward 5 meters, then turn left"   # write a plan')
@@ -58,7 +61,8 @@ def _one(terminal: Console, name: str, folder: Path) -> tuple[Path, bool]:
     _refuted(terminal, before)
     write_text(folder / "before.html", verification_html(before))
     _heading(terminal, "3. Repair: the smallest edit after which every rule holds")
-    result = optimize(skill, optimizer="repair", out=folder)
+    _say(terminal, f"task: {TASKS[name]}")
+    result = optimize(skill, [TASKS[name]], optimizer="repair", out=folder)
     _show_edits(terminal, result)
     _heading(terminal, "4. The repaired skill")
     after = verify(result.skill, result.skill.plan_template)
@@ -83,9 +87,8 @@ def _show_edits(terminal: Console, result: OptimizationResult) -> None:
 
     for step in result.steps:
         if step.accepted:
-            _say(
-                terminal, f"accepted: {step.note} ({step.tried_count} other edits were turned down)"
-            )
+            more = f" (tried before it: {step.tried_count})" if step.tried_count else ""
+            _say(terminal, f"accepted: {step.note}{more}")
     terminal.print(colour_diff(result.diff))
     terminal.print(optimization_head(result))
 

@@ -20,6 +20,7 @@ from vaso.cli.common import (
     leave,
     write_text,
 )
+from vaso.gradient.model import Level
 
 if TYPE_CHECKING:
     from vaso.optimizers import OptimizationResult
@@ -43,8 +44,8 @@ def optimize(
         str, typer.Option(help="Who writes the plans: template (filled in) or lm.")
     ] = "template",
     level: Annotated[
-        str, typer.Option(help="How much a textual gradient says: verdict, trace, blame, repair.")
-    ] = "blame",
+        Level, typer.Option(help="How much a textual gradient says; each includes those before it.")
+    ] = Level.BLAME,
     out: Annotated[
         Path | None, typer.Option(help="Folder for the skill, the event log and the report.")
     ] = None,

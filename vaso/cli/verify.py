@@ -38,6 +38,7 @@ def verify(
     version: VersionOption = Version.VERIFIED,
     name: NameOption = None,
     platform: PlatformOption = None,
+    states: Annotated[int, typer.Option(min=1, help="Most states to explore.")] = 5_000,
     timeout: Annotated[float, typer.Option(min=0.0, help="Seconds for model checking.")] = 60.0,
     html: Annotated[Path | None, typer.Option(help="Write an HTML report to a file.")] = None,
     as_json: JsonOption = False,
@@ -47,12 +48,20 @@ def verify(
     Exit code 0: every rule holds, 1: one is violated, 2: the plan is not a program of this skill,
     3: not known or not supported.
     """
+    from vaso.plan.explore import Budget
     from vaso.plan.model import Plan
     from vaso.verification import verify as check_rules
 
     chosen = get_skill(skill, version, name, platform)
     read = get_plan(plan) if plan else Plan(source=chosen.plan_template)
-    result = check_rules(chosen, read, platform=platform, specs=spec or (), timeout=timeout)
+    result = check_rules(
+        chosen,
+        read,
+        platform=platform,
+        specs=spec or (),
+        budget=Budget(states=states),
+        timeout=timeout,
+    )
     if html:
         from vaso.report.html import verification_html
 

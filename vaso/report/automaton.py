@@ -1,4 +1,8 @@
-"""A plan's automaton, condensed for a drawing: runs of equal commands become one node."""
+"""A plan's automaton, condensed for a drawing.
+
+Runs of equal commands become one node. Where that leaves too many nodes, as with a plan that counts
+its steps, all states that the same plan line put in force become one.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +11,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from vaso.plan.transition_system import Guard, TransitionSystem
-from vaso.report.trace import short_sensor
+from vaso.report.trace import short_call, short_sensor
 
 ALWAYS = ""
+FEW = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,24 +49,34 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """Nodes and links; node 0 is where the plan starts."""
+    """Nodes and links; node 0 is where the plan starts.
+
+    Attributes:
+        nodes: The nodes.
+        links: The links.
+        folded: True where a node stands for all states of a plan line, so that the drawing shows
+            more behaviours than there are.
+    """
 
     nodes: tuple[Node, ...]
     links: tuple[Link, ...]
+    folded: bool = False
 
 
 def condense(system: TransitionSystem) -> Drawing:
     """Join control states into nodes and name the conditions between them."""
-    chains = _chains(system)
-    index = {state: n for n, chain in enumerate(chains) for state in chain}
-    conditions = _conditions(system, index)
+    groups = _chains(system)
+    folded = len(groups) > FEW and len(lines := _by_line(system, groups)) < len(groups)
+    groups = lines if folded else groups
+    index = {state: n for n, group in enumerate(groups) for state in group}
+    conditions = _conditions(system, index, inner=folded)
     entries = _entries(conditions)
-    nodes = tuple(_node(system, chain, entries.get(n, "")) for n, chain in enumerate(chains))
+    nodes = tuple(_node(system, group, entries.get(n, "")) for n, group in enumerate(groups))
     links = tuple(
         Link(source, target, "" if target in entries else label)
         for (source, target), label in conditions.items()
     )
-    return Drawing(nodes, links)
+    return Drawing(nodes, links, folded)
 
 
 def guard_text(guards: Iterable[Guard]) -> str:
@@ -119,6 +134,15 @@ def _chains(system: TransitionSystem) -> list[tuple[int, ...]]:
     return [_chain(head, follows) for head in heads]
 
 
+def _by_line(system: TransitionSystem, chains: list[tuple[int, ...]]) -> list[tuple[int, ...]]:
+    """One group for each command and plan line; the start stays alone."""
+    groups: dict[object, list[int]] = defaultdict(list)
+    for state in (s for chain in chains for s in chain):
+        here = system.states[state]
+        groups[(here.command, here.api, here.line) if state else "start"].append(state)
+    return [tuple(group) for group in groups.values()]
+
+
 def _chain(head: int, follows: Mapping[int, int]) -> tuple[int, ...]:
     chain = [head]
     while (after := follows.get(chain[-1])) is not None and after not in chain:
@@ -143,12 +167,15 @@ def _reachable(system: TransitionSystem) -> list[int]:
     return order
 
 
-def _conditions(system: TransitionSystem, index: Mapping[int, int]) -> dict[tuple[int, int], str]:
+def _conditions(
+    system: TransitionSystem, index: Mapping[int, int], *, inner: bool
+) -> dict[tuple[int, int], str]:
+    """The condition of each link; ``inner`` keeps the steps from one state of a node to another."""
     guards: dict[tuple[int, int], list[Guard]] = defaultdict(list)
     for source, node in index.items():
         for edge in system.edges[source]:
             target = index[edge.target]
-            if target != node or edge.target <= source:
+            if inner or target != node or edge.target <= source:
                 guards[node, target].append(edge.guard)
     return {pair: guard_text(found) for pair, found in guards.items()}
 
@@ -163,6 +190,5 @@ def _entries(conditions: Mapping[tuple[int, int], str]) -> dict[int, str]:
 def _node(system: TransitionSystem, chain: tuple[int, ...], entry: str) -> Node:
     first, last = system.states[chain[0]], system.states[chain[-1]]
     title = first.api or ("(at rest)" if chain[0] == 0 else first.command)
-    return Node(
-        chain, title, first.line, entry, any(system.states[s].cut for s in chain), last.note
-    )
+    cut = any(system.states[s].cut for s in chain)
+    return Node(chain, short_call(title), first.line, entry, cut, last.note)

@@ -13,8 +13,10 @@ BOX, TALL, GAP_Y, MARGIN = 232, 62, 62, 20
 NARROW, WIDE = 60, 140
 LANE = 16
 DEEP = 30
+SIDE = 90
 LETTERS = 33
 MOST = 60
+FOLDED = "Every box stands for all states in which the robot executes that plan line."
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,10 +34,11 @@ def automaton_svg(system: TransitionSystem) -> Markup:
     shown = _first(drawing, MOST)
     places, width = _layout(shown)
     lanes = [k for k in shown.links if _is_far(k, places)]
-    total = width + (len(lanes) + 1) * LANE
+    total = width + (len(lanes) + 1) * LANE + (SIDE if any(k.label for k in shown.links) else 0)
     height = max(p.y for p in places) + TALL / 2 + MARGIN + DEEP
     edges = [_edge(link, places, width, lanes) for link in shown.links]
-    nodes = [_box(node, places[i], i == 0) for i, node in enumerate(shown.nodes)]
+    unit = "states" if drawing.folded else ""
+    nodes = [_box(node, places[i], i == 0, unit) for i, node in enumerate(shown.nodes)]
     svg = el(
         "svg",
         _arrowhead(),
@@ -48,13 +51,14 @@ def automaton_svg(system: TransitionSystem) -> Markup:
         aria_label="automaton of the plan",
     )
     rest = len(drawing.nodes) - len(shown.nodes)
-    more = el("p", f"{rest} more nodes are not drawn.", cls="soft small") if rest else None
-    return join(el("div", svg, cls="scroll"), more)
+    more = f"{rest} more nodes are not drawn. " if rest else ""
+    remark = more + (FOLDED if drawing.folded else "")
+    return join(el("div", svg, cls="scroll"), el("p", remark, cls="soft small") if remark else None)
 
 
 def _first(drawing: Drawing, count: int) -> Drawing:
     links = tuple(k for k in drawing.links if k.source < count and k.target < count)
-    return Drawing(drawing.nodes[:count], links)
+    return Drawing(drawing.nodes[:count], links, drawing.folded)
 
 
 def _layout(drawing: Drawing) -> tuple[list[Place], float]:
@@ -156,7 +160,7 @@ def _label(text: str, at: tuple[float, float]) -> Markup:
     return el("text", el("title", text), _cut(text, LETTERS), x=at[0], y=at[1], cls="soft halo")
 
 
-def _box(node: Node, place: Place, start: bool) -> Markup:
+def _box(node: Node, place: Place, start: bool, unit: str) -> Markup:
     left, top = place.x - BOX / 2, place.y - TALL / 2
     style = " ".join(c for c, on in (("node", True), ("start", start), ("cut", node.cut)) if on)
     entry = f"if {node.entry}" if node.entry else ""
@@ -166,7 +170,7 @@ def _box(node: Node, place: Place, start: bool) -> Markup:
         el("rect", x=left, y=top, width=BOX, height=TALL, rx=8, cls=style),
         _centred(_cut(entry, LETTERS), place.x, top + 16, "soft"),
         _centred(_cut(node.title, LETTERS - 3), place.x, top + 35),
-        _centred(_cut(_where(node), LETTERS), place.x, top + 53, "soft"),
+        _centred(_cut(_where(node, unit), LETTERS), place.x, top + 53, "soft"),
     )
 
 
@@ -174,11 +178,12 @@ def _centred(text: str, x: float, y: float, cls: str | None = None) -> Markup:
     return el("text", text, x=x, y=y, text_anchor="middle", cls=cls)
 
 
-def _where(node: Node) -> str:
-    times = f"× {len(node.states)}" if len(node.states) > 1 else ""
+def _where(node: Node, unit: str) -> str:
+    count = len(node.states)
+    times = "" if count == 1 else f"{count} {unit}" if unit else f"× {count}"
     line = f"line {node.line}" if node.line else ""
     end = "not explored further" if node.cut else node.note
-    return "  ".join(p for p in (times, line, end) if p)
+    return " · ".join(p for p in (times, line, end) if p)
 
 
 def _cut(text: str, letters: int) -> str:

@@ -17,7 +17,7 @@ from vaso.report.pieces import (
     violations,
 )
 from vaso.report.plot import Point, line_plot
-from vaso.report.terminal_runs import percent
+from vaso.report.terminal_runs import count, percent
 from vaso.verdict import Verdict, VerificationResult
 
 if TYPE_CHECKING:
@@ -86,12 +86,12 @@ def _rule_table(result: OptimizationResult) -> Markup:
 def _rule_row(rule: str, english: str, verdicts: list[Verdict], tasks: int) -> Markup:
     worst = next(v for v in ORDER if v in verdicts)
     text = [el("p", el("code", rule)), el("p", english, cls="soft")]
-    count = f"{sum(map(bool, verdicts))} of {tasks} tasks"
+    kept = f"{sum(map(bool, verdicts))} of {count(tasks, 'task')}"
     return el(
         "div",
         el("div", verdict_badge(worst)),
         el("div", text),
-        el("span", count, cls="soft small"),
+        el("span", kept, cls="soft small"),
         cls="rule",
     )
 

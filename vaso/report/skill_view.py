@@ -59,7 +59,7 @@ def system_view(system: TransitionSystem) -> Group:
 
 def _node(drawing: Drawing, number: int) -> Text:
     node = drawing.nodes[number]
-    text = Text(f"[{number}] {node.title}{_times(node)}")
+    text = Text(f"[{number}] {node.title}{_times(node, drawing.folded)}")
     if node.line:
         text.append(f"   line {node.line}", style="dim")
     for link in drawing.links:
@@ -71,5 +71,6 @@ def _node(drawing: Drawing, number: int) -> Text:
     return text
 
 
-def _times(node: Node) -> str:
-    return f" × {len(node.states)}" if len(node.states) > 1 else ""
+def _times(node: Node, folded: bool) -> str:
+    count = len(node.states)
+    return "" if count == 1 else f" ({count} states)" if folded else f" × {count}"

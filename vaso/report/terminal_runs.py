@@ -79,10 +79,15 @@ def optimization_head(result: OptimizationResult) -> Text:
         text.append(f" ({kept}; {result.stop_reason})", style="default not bold")
     text.append(
         f"   safety {percent(result.safety_before)} → {percent(result.safety)} "
-        f"on {len(result.values)} tasks",
+        f"on {count(len(result.values), 'task')}",
         style="default not bold",
     )
     return text.append(f"\n{result.spent}", style="dim not bold")
+
+
+def count(number: int, noun: str) -> str:
+    """A number with its noun."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def percent(share: float) -> str:

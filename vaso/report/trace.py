@@ -125,9 +125,9 @@ def _kept(example: Counterexample, limit: int) -> set[int]:
     count = len(example.steps)
     if count <= limit:
         return set(range(count))
-    anchors = {0, 1, example.loop_start, count - 1}
+    anchors = {0, example.loop_start, count - 1}
     if example.decided_at is not None:
-        anchors |= {example.decided_at + d for d in (-2, -1, 0, 1)}
+        anchors |= {example.decided_at + d for d in (-1, 0, 1)}
     anchors |= {s.index for s in example.steps if s.note and _is_first_note(example, s)}
     return {i for i in anchors if 0 <= i < count}
 
