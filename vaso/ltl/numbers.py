@@ -60,6 +60,10 @@ def value_of(term: Term, step: Mapping[str, bool | float]) -> float:
     Raises:
         FormulaError: A variable has no numeric value, or the term divides by zero.
     """
+    if isinstance(term, Number):  # nearly every term is one of these two
+        return term.value
+    if isinstance(term, Variable):
+        return _number(term.name, step)
 
     def combine(node: Term, parts: tuple[float, ...]) -> float:
         match node:
