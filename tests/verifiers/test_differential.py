@@ -14,7 +14,6 @@ PYNUSMV, LASSO, AUTO = PyNuSMVVerifier(), LassoVerifier(), AutoVerifier()
 DECIDED = {Verdict.PASS, Verdict.FAIL}
 
 
-
 def examples(count: int):
     """Many examples; how long one takes says more about the machine than about the code."""
     return settings(max_examples=count, deadline=None, suppress_health_check=list(HealthCheck))

@@ -9,7 +9,9 @@ from vaso.verdict import Verdict
 from vaso.verifiers import AutoVerifier, LassoVerifier, NuSMVVerifier, get_verifier
 
 SEES = {"seen": (Case({"s": False}, False), Case({"s": True}, True))}
-STATES = tuple(State(str(i), labels={"speed": 0.3, "last": i == 2}, observed=SEES) for i in range(3))
+STATES = tuple(
+    State(str(i), labels={"speed": 0.3, "last": i == 2}, observed=SEES) for i in range(3)
+)
 LINE = TransitionSystem(STATES, ((Edge({}, 1),), (Edge({}, 2),), (Edge({}, 2),)), (Sensor("s"),))
 BRANCHING = TransitionSystem(
     STATES, ((Edge({"s": True}, 1), Edge({"s": False}, 2)), *LINE.edges[1:]), (Sensor("s"),)

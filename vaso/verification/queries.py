@@ -62,7 +62,7 @@ class Checker:
     def _check(self, formulas: Sequence[Formula], counterexamples: bool) -> list[Answer]:
         if not formulas:
             return []
-        left = max(0.1, self.deadline - time.monotonic())
+        left = max(0.0, self.deadline - time.monotonic())
         return self.verifier.check(
             self.system, formulas, timeout=left, counterexamples=counterexamples
         )

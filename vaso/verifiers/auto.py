@@ -47,7 +47,7 @@ class AutoVerifier:
             found = self._model_checker().check(
                 system,
                 [formulas[i] for i in left],
-                timeout=max(0.1, deadline - time.monotonic()),
+                timeout=max(0.0, deadline - time.monotonic()),
                 counterexamples=counterexamples,
             )
             for index, answer in zip(left, found, strict=True):
