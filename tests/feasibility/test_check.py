@@ -2,6 +2,7 @@ import json
 
 import pytest
 
+from vaso import load_skill, shipped_skills
 from vaso.errors import PlatformError, SkillError
 from vaso.feasibility import check
 from vaso.ltl import holds, parse
@@ -107,6 +108,12 @@ def test_the_paper_rules_of_both_platforms_are_feasible() -> None:
         platform="px4",
     )  # fmt: skip
     assert check(square)
+
+
+@pytest.mark.parametrize("version", ["initial", "verified"])
+@pytest.mark.parametrize("name", shipped_skills())
+def test_the_shipped_skills_are_feasible(name: str, version: str) -> None:
+    assert check(load_skill(name, version=version))
 
 
 def test_assumptions_restrict_the_behaviours_that_count() -> None:

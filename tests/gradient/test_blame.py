@@ -30,13 +30,13 @@ def test_a_reading_that_the_plan_ignores() -> None:
         [step(people=True, reads=[("people_observed", 3)]), step("forward()", 4)],
         1,
     )
-    assert "and although line 3 reads that" in said(shown)
+    assert "people_observed is true in step 0, and line 3 reads it." in said(shown)
     direct = example(
         "G(people_observed -> X stop)",
         [step(people=True, reads=[("yolo_listener('people')", 3)]), step("forward()", 4)],
         1,
     )
-    assert "and although line 3 reads that" in said(direct)
+    assert "and line 3 reads it." in said(direct)
 
 
 def test_a_first_command_without_a_check() -> None:
@@ -55,9 +55,46 @@ def test_a_plan_that_has_ended() -> None:
         2,
     )
     assert said(shown) == (
-        "In step 2 the plan has ended and its last command, forward() of line 1, is still in force "
+        "In step 2 the plan has ended; its last command, forward() of line 1, is still in force "
         "although people_observed is true in step 1. The rule asks for stop in step 2."
     )
+
+
+def test_how_the_plan_has_ended() -> None:
+    plan = "while True:\n    if people_observed():\n        break\n    forward()\n"
+    shown = example(
+        "G(people_observed -> X stop)",
+        [
+            step(reads=[("people_observed", 2)]),
+            step("forward()", 4, people=True, reads=[("people_observed", 2)]),
+            step("forward()", 4, note="the plan has ended"),
+        ],
+        2,
+    )
+    assert "has ended: line 2 reads people_observed as true in step 1, and line 3 `break`" in said(
+        shown, plan
+    )
+    rests = example("F forward", [step(reads=[("people_observed", 2)], people=True),
+                                  step(note="the plan has ended")], 1)  # fmt: skip
+    assert said(rests, plan).startswith(
+        "From step 1 on the robot stays at rest, because the plan has ended: line 2 reads"
+    )
+
+
+def test_the_last_set_point_is_executed_before_it_is_over() -> None:
+    last = "the trajectory's last set-point"
+    steps = [
+        step(v=0.0),
+        flight(3, (1.0, 0.0, 0.0), v=0.0),
+        flight(3, (1.0, 0.0, 0.0), last, v=2.0),
+    ]
+    assert "has ended" not in said(example("G(v < 1)", steps, 2))
+    over = [
+        *steps[:2],
+        flight(3, (1.0, 0.0, 0.0), last, v=0.5),
+        flight(3, (1.0, 0.0, 0.0), last, v=2.0),
+    ]
+    assert "In step 3 the plan has ended" in said(example("G(v < 1)", over, 3))
 
 
 def test_a_command_that_goes_on() -> None:

@@ -3,8 +3,10 @@ from itertools import pairwise
 import pytest
 from gradient_samples import DRIVE, OBSERVED, blind_turn, climb, left_loop, result, skill
 
+from vaso import load_skill
 from vaso.gradient import PASS_TEXT, Edit, Level, blames, textual_gradient
 from vaso.verdict import Problem, SpecResult, Verdict, VerificationResult
+from vaso.verification import verify
 
 DRIVER = skill("G(people_observed -> X stop)")
 EDIT = Edit(
@@ -87,3 +89,22 @@ def test_no_formulas() -> None:
 def test_an_unknown_level() -> None:
     with pytest.raises(ValueError, match="loud"):
         textual_gradient(result(blind_turn()), level="loud")
+
+
+@pytest.mark.parametrize("name", ["bypass-object", "drive", "find-object"])
+def test_gradients_of_real_counterexamples(name: str) -> None:
+    faulty = load_skill(name, version="initial")
+    checked = verify(faulty, faulty.plan_template)
+    gradient = textual_gradient(checked, skill=faulty)
+    local = faulty.local_rules[0]
+    assert gradient.verdict == f"violates {local}"
+    (found,) = [b for _, b in blames(checked, faulty)]
+    assert found.lines and set(found.lines) <= set(range(1, len(checked.plan.splitlines()) + 1))
+    assert gradient.blame.startswith(f"{local}: ") and "step" in gradient.blame
+
+
+def test_the_papers_gradient_of_the_square() -> None:
+    faulty = load_skill("fly-in-square-shape-traj", version="initial")
+    gradient = textual_gradient(verify(faulty, faulty.plan_template), skill=faulty)
+    assert "violates G(altitude < 10)" in gradient.verdict
+    assert "of line 8 is in force, and altitude goes from 9 to 10" in gradient.blame

@@ -133,8 +133,11 @@ def _did(step: Step, scene: _Scene) -> str:
     before = scene.steps[index - 1] if index else None
     if before is None or step.line is None:
         return f"The robot is at rest in step {index}, before the first command of the plan"
-    if _has_ended(step) and before.line == step.line:
-        return f"In step {index} the plan has ended and its last command, {call} of line {step.line}, is still in force"  # noqa: E501
+    if _has_ended(step, before):
+        return (
+            f"In step {index} the plan has ended{_how(scene)}; "
+            f"its last command, {call} of line {step.line}, is still in force"
+        )
     if _differ(step, before):
         return f"Line {step.line} executes {call} in step {index}"
     return f"In step {index} {call} of line {step.line} is in force"
@@ -153,18 +156,16 @@ def _reason(failure: Failure, step: Step, scene: _Scene) -> str:
     if all(f.step == step.index for f in facts):
         return "; what is read in a step can only change the command of the next one"
     facts = [f for f in facts if f.step == step.index - 1]
-    if not facts or _has_ended(step):
+    before = scene.steps[step.index - 1] if step.index else step
+    if not facts or _has_ended(step, before):
         return ""
-    before = scene.steps[step.index - 1]
     names = [n for f in facts for n in sorted(propositions(f.formula) & scene.observed)]
     unread = [n for n in names if not scene.reads_of(n, before)]
     if unread:
         what = "it" if unread == names and len(names) == 1 else " or ".join(unread)
         return f", because the plan does not read {what} {_between(before, step)}"
     lines = sorted({line for n in names for line in scene.reads_of(n, before) if line})
-    return (
-        f", and although {_lines(lines)} read{'s' if len(lines) == 1 else ''} that" if lines else ""
-    )
+    return f", and {_lines(lines)} read{'s' if len(lines) == 1 else ''} it" if lines else ""
 
 
 def _between(before: Step, step: Step) -> str:
@@ -192,18 +193,24 @@ def _never(failure: Failure, scene: _Scene) -> str:
 def _goes_on(scene: _Scene) -> str:
     """What the plan does for ever: the beginning of a sentence."""
     example, last = scene.example, scene.steps[-1]
+    over = all(_is_final(s) for s in scene.loop)
+    ended = f"{_ended(last)}{_how(scene)}"
     if all(s.line is None for s in scene.loop):
-        return f"From step {example.loop_start} on the robot stays at rest"
-    if all(_has_ended(s) for s in scene.loop):
-        start = next(i for i, s in enumerate(scene.steps) if _has_ended(s))
-        how = how_it_ended(example, scene.plan, scene.observed, scene.sensors)
-        why = f": {how}" if how else ""
+        because = f", because the plan {ended}" if over else ""
+        return f"From step {example.loop_start} on the robot stays at rest{because}"
+    if over:
+        start = next(i for i, s in enumerate(scene.steps) if _is_final(s))
         return (
             f"After step {start - 1 if start else 0} the plan stays in {_call(last)} "
-            f"(line {last.line}) for ever, because {_ended(last)}{why}"
+            f"(line {last.line}) for ever, because it {ended}"
         )
     doing = dict.fromkeys(f"line {s.line} {_call(s)}" for s in scene.loop if s.line is not None)
     return f"From step {example.loop_start} on the plan repeats {', '.join(doing)} for ever"
+
+
+def _how(scene: _Scene) -> str:
+    how = how_it_ended(scene.example, scene.plan, scene.observed, scene.sensors)
+    return f": {how}" if how else ""
 
 
 def _unread(failure: Failure, scene: _Scene) -> str:
@@ -222,7 +229,9 @@ def _unread(failure: Failure, scene: _Scene) -> str:
 def _sensed(scene: _Scene) -> str:
     """The readings that do not change while the behaviour repeats, where the plan reads them."""
     read = {n for s in scene.steps for n, _ in s.reads}
-    names = [n for n in sorted(scene.observed) if {n, scene.sensors.get(n)} & read]
+    named = propositions(parse(scene.example.formula))
+    names = [n for n in sorted(scene.observed) if n in read | named]
+    names = [n for n in names if {n, scene.sensors.get(n)} & read]
     constant = [n for n in names if len({s.labels.get(n) for s in scene.loop}) == 1]
     if not constant or len(scene.loop) == len(scene.steps) == 1:
         return ""
@@ -262,13 +271,20 @@ def _call(step: Step) -> str:
     return step.api or step.command
 
 
-def _has_ended(step: Step) -> bool:
+def _is_final(step: Step) -> bool:
+    """True where nothing of the plan is left to be executed."""
     return step.note.startswith(("the plan has ended", "the trajectory's last"))
+
+
+def _has_ended(step: Step, before: Step) -> bool:
+    """True where the command was in force before and goes on because the plan has ended."""
+    ended = step.note.startswith("the plan has ended") or (step.note and step.note == before.note)
+    return bool(ended) and _is_final(step) and not _differ(step, before)
 
 
 def _ended(step: Step) -> str:
     error = step.note.partition("the plan has ended: ")[2]
-    return f"it has ended with {error}" if error else "it has ended"
+    return f"has ended with {error}" if error else "has ended"
 
 
 def _lines(lines: Sequence[int]) -> str:
