@@ -65,10 +65,14 @@ class TestLoading:
     def test_did_you_mean(self) -> None:
         assert refused("driv").hint == "did you mean 'drive'?"
 
-    def test_unknown_version(self, folder: Path) -> None:
+    def test_unknown_version(self) -> None:
         assert "no version 'best'" in refused("drive", version="best").message
+
+    def test_a_folder_with_one_version_starts_from_it(self, folder: Path) -> None:
         (folder / "SKILL.initial.md").unlink()
-        assert "SKILL.initial.md" in str(refused(folder, version="initial"))
+        assert load_skill(folder, version="initial") == load_skill("drive")
+        (folder / "SKILL.md").unlink()
+        assert "SKILL.md" in str(refused(folder, version="initial"))
 
 
 class TestTasks:
@@ -84,6 +88,10 @@ class TestTasks:
     def test_a_plain_list(self, tmp_path: Path) -> None:
         (tmp_path / "t.yml").write_text("- Go.\n- ' Stop. '\n")
         assert load_tasks(tmp_path / "t.yml") == Tasks(seen=("Go.", "Stop."))
+
+    def test_one_prompt_a_line(self, tmp_path: Path) -> None:
+        (tmp_path / "t.txt").write_text("Go.\n\n Stop.\n")
+        assert load_tasks(str(tmp_path / "t.txt")) == Tasks(seen=("Go.", "Stop."))
 
     @pytest.mark.parametrize(
         "text",

@@ -29,8 +29,9 @@ def load_skill(
     Args:
         name_or_path: The name of a shipped skill (``drive``), a skill folder, or a skill file. A
             shipped name wins over a folder of that name; write ``./drive`` for the folder.
-        version: ``verified``, or ``initial`` for the faulty version that optimization starts from.
-            Chooses a file of the folder; a path that names a file is taken as it is.
+        version: ``verified``, or ``initial`` for the version that optimization starts from:
+            SKILL.initial.md where the folder has one, else its SKILL.md. A path that names a file
+            is taken as it is.
         platform: Overrides the platform that the file names.
         name: The skill to take from a file that holds several.
         strict: Whether missing code sections and Python that does not parse are errors.
@@ -42,7 +43,9 @@ def load_skill(
         raise SkillError(f"there is no version '{version}'", expected="'verified' or 'initial'")
     path = Path(name_or_path)
     if not _is_file(path):
-        path = find_folder(name_or_path) / FILES[version]
+        folder = find_folder(name_or_path)
+        path = folder / FILES[version]
+        path = path if path.is_file() else folder / FILES["verified"]
     skills = read_skills(path, platform=platform, name=name, strict=strict)
     if len(skills) > 1:
         names = ", ".join(s.name for s in skills)

@@ -38,15 +38,19 @@ def load_tasks(skill: str | Path | Skill) -> Tasks:
     """Load the task prompts of a skill.
 
     Args:
-        skill: A skill, the name of a shipped one, a skill folder, or a tasks file. The file has
-            the keys ``seen`` and ``unseen``, or is a plain list of seen prompts.
+        skill: A skill, the name of a shipped one, a skill folder or file, or a tasks file. The
+            tasks file is YAML with the keys ``seen`` and ``unseen``, or a plain list of seen
+            prompts, or a ``.txt`` with one seen prompt a line.
 
     Raises:
         SkillError: There is no such file, or it has another shape.
     """
     path = _find(skill)
+    text = read_file(path)
+    if path.suffix == ".txt":
+        return Tasks(seen=tuple(line.strip() for line in text.split("\n") if line.strip()))
     try:
-        data = yaml.safe_load(read_file(path))
+        data = yaml.safe_load(text)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         mark = getattr(error, "problem_mark", None)
         raise SkillError(
@@ -64,8 +68,8 @@ def load_tasks(skill: str | Path | Skill) -> Tasks:
 def _find(skill: str | Path | Skill) -> Path:
     if not isinstance(skill, Skill):
         path = Path(skill)
-        is_file = path.suffix in (".yaml", ".yml")
-        return path if is_file else find_folder(skill) / FILE_NAME
+        is_tasks = path.suffix in (".yaml", ".yml", ".txt")
+        return path if is_tasks else find_folder(skill) / FILE_NAME
     beside = Path(skill.source).parent / FILE_NAME if skill.source else None
     return beside if beside and beside.is_file() else find_folder(skill.name) / FILE_NAME
 
