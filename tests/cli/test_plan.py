@@ -1,3 +1,5 @@
+import dspy
+import pytest
 from openai_server import OpenAIServer, Status
 
 
@@ -28,18 +30,24 @@ def test_out_that_cannot_be_written(vaso, tmp_path):
     assert "cannot be written" in found.err
 
 
-def test_a_model_writes_the_plan(vaso, monkeypatch):
+@pytest.fixture
+def no_cache():
+    """Every answer comes over HTTP."""
+    dspy.configure_cache(enable_disk_cache=False, enable_memory_cache=False)
+
+
+def test_a_model_writes_the_plan(vaso, monkeypatch, no_cache):
     reply = "[[ ## plan ## ]]\nwhile True:\n    stop()\n\n[[ ## completed ## ]]"
     with OpenAIServer([reply]) as server:
-        monkeypatch.setenv("OPENAI_API_BASE", server.url)
+        monkeypatch.setenv("VASO_API_BASE", server.url)
         found = vaso("plan", "drive", "wait here", "--lm", "openai/test")
     assert (found.code, found.out) == (0, "while True:\n    stop()\n")
     assert "wait here" in server.prompts[0]
 
 
-def test_a_model_that_refuses(vaso, monkeypatch):
+def test_a_model_that_refuses(vaso, monkeypatch, no_cache):
     with OpenAIServer(default=Status(401)) as server:
-        monkeypatch.setenv("OPENAI_API_BASE", server.url)
+        monkeypatch.setenv("VASO_API_BASE", server.url)
         found = vaso("plan", "drive", "go", "--lm", "openai/none")
     assert found.code == 2
     assert "does not answer" in found.err
