@@ -22,8 +22,9 @@ def apply(diff: str, root: Path, strip: int = 0) -> None:
         strip: Leading path components to ignore, as in ``patch -pN``.
     """
     heads = list(_FILES.finditer(diff))
-    for head, following in zip(heads, [*heads[1:], None], strict=True):
-        body = diff[head.end() : following.start() if following else len(diff)]
+    ends = [*(head.start() for head in heads[1:]), len(diff)]
+    for head, end in zip(heads, ends, strict=False):
+        body = diff[head.end() : end]
         names = [name.split("/", strip)[-1] for name in head.groups()]
         name = next((n for n in names if (root / n).exists()), names[1])
         path = root / name
