@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import shutil
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -27,6 +30,14 @@ STORY = {
 }
 
 
+NEXT = (
+    'plan drive "move forward 5 meters"   # write a plan',
+    "verify drive --version initial       # verify one",
+    "optimize find-object --out runs/find # repair a skill",
+    "--help",
+)
+
+
 def demo(
     out: Annotated[Path, typer.Option(help="Folder for the reports.")] = Path("runs/demo"),
 ) -> None:
@@ -35,11 +46,14 @@ def demo(
     reports = [_one(terminal, name, out / name) for name in TASKS]
     terminal.rule("What next")
     _say(terminal, f"The reports, for a browser: {', '.join(str(r) for r, _ in reports)}")
-    _say(terminal, 'vaso plan drive "move forward 5 meters, then turn left"   # write a plan')
-    _say(terminal, "vaso verify drive --version initial                       # verify a template")
-    _say(terminal, "vaso optimize find-object --out runs/find-object          # repair a skill")
-    _say(terminal, "vaso --help")
+    for command in NEXT:
+        _say(terminal, f"{_program()} {command}")
     leave(ExitCode.HOLDS if all(verified for _, verified in reports) else ExitCode.REFUTED)
+
+
+def _program() -> str:
+    """How this user calls the command: by its path unless it is on PATH."""
+    return "vaso" if shutil.which("vaso") else os.path.relpath(sys.argv[0])
 
 
 def _one(terminal: Console, name: str, folder: Path) -> tuple[Path, bool]:

@@ -123,13 +123,17 @@ def step_cells(step: StepRecord) -> tuple[str, str, str, Text]:
 
 def _happened(step: StepRecord) -> Iterator[Text]:
     if step.accepted:
-        yield Text("✓ accepted: ", style="green").append(step.note or "a new text", style="default")
-    if step.error:
-        yield Text("✗ failed: ", style="red").append(step.error, style="default")
-    if step.tried:
+        text = Text("✓ accepted: ", style="green").append(
+            step.note or "a new text", style="default"
+        )
+        before = f" ({step.tried_count} turned down before it)" if step.tried_count else ""
+        yield text.append(before, style="dim")
+    elif step.tried:
         last = step.tried[-1]
         more = f" ({step.tried_count} were turned down)" if step.tried_count > 1 else ""
         yield Text("✗ rejected: ", style="red").append(f"{last.note}: {last.reason}{more}", "dim")
+    if step.error:
+        yield Text("✗ failed: ", style="red").append(step.error, style="default")
     if not (step.accepted or step.error or step.tried):
         yield Text("no proposal", style="dim")
 
