@@ -49,3 +49,11 @@ def vaso(capfd) -> Callable[..., Outcome]:
         return Outcome(code, out, err)
 
     return call
+
+
+@pytest.fixture
+def no_cache():
+    """Every answer of a language model comes over HTTP."""
+    import dspy
+
+    dspy.configure_cache(enable_disk_cache=False, enable_memory_cache=False)

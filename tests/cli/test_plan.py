@@ -1,5 +1,3 @@
-import dspy
-import pytest
 from openai_server import OpenAIServer, Status
 
 
@@ -28,12 +26,6 @@ def test_out_that_cannot_be_written(vaso, tmp_path):
     found = vaso("plan", "drive", "go", "--out", tmp_path / "file" / "plan.py")
     assert found.code == 2
     assert "cannot be written" in found.err
-
-
-@pytest.fixture
-def no_cache():
-    """Every answer comes over HTTP."""
-    dspy.configure_cache(enable_disk_cache=False, enable_memory_cache=False)
 
 
 def test_a_model_writes_the_plan(vaso, monkeypatch, no_cache):

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vaso import __version__
-from vaso.cli import check, demo, optimize, plan, sat, show, skills, verify
+from vaso.cli import bench, check, demo, optimize, plan, sat, show, skills, verify
 
 app = typer.Typer(
     name="vaso",
@@ -48,3 +48,4 @@ for command in (
     demo.demo,
 ):
     app.command()(command)
+app.add_typer(bench.app, name="bench")
