@@ -319,7 +319,13 @@ def test_notes(line: str, note: str) -> None:
 
 
 def test_several_formulas_on_a_line() -> None:
-    for line in ("G(a), G(b)", "- `G a`, `G b`", "- `G a` and `G b`", "G a; G b"):
+    for line in (
+        "G(a), G(b)",
+        "- `G a`, `G b`",
+        "- `G a` and `G b`",
+        "G a; G b",
+        "- both `G a` or else `G b`",
+    ):
         assert list(map(str, with_rules(line).global_rules)) == ["G a", "G b"]
 
 

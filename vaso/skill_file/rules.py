@@ -13,8 +13,16 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from vaso.errors import FormulaError, SkillError
-from vaso.ltl import Constant, Proposition, parse_with_warnings
 from vaso.skill import Role, Rule
+from vaso.skill_file.formulas import (
+    Found,
+    find_error,
+    find_formulas,
+    further_formula,
+    looks_like_formula,
+    split_remark,
+    tidy_note,
+)
 from vaso.skill_file.markdown import Block, Fence, Text
 from vaso.skill_file.titles import Kind, read_title
 
@@ -25,33 +33,15 @@ ROLES: dict[Kind, Role] = {
 }
 
 _BULLET = re.compile(r"\s*(?:[-*+•–]|\(?(?:\d{1,3}|[a-z])[.)])\s+(?=\S)")
-_SPAN = re.compile(r"(\*\*|__|\*)?(`{1,3}|\${1,2}|\*\*|__)(?=\S)(.+?)\2(\*\*|__|\*)?", re.DOTALL)
-_LABEL = re.compile(
-    r"\s*(?P<label>[^`$:=]{1,200}?)\s*(?P<sign>:=|[:=–—]|\s-\s)(?:\*\*|__)?\s*(?=\S)"
-)
-_REMARK = re.compile(r"\s{0,4}(?:#|//|--|[–—;,:]|<!--|\s-\s|\.\s|\s\(|\n|$)")
-_SEPARATORS = " \t,;:.–—-#/"
-_ARROW = re.compile(r"<?->|[=⇔↔→⇒⟹⟶⊃]>|[⇔↔→⇒⟹⟶⊃]|\\(?:right|left|Right)\w*arrow|\\to\b|\\implies\b")
-_OPERATOR = re.compile(r"->|=>|[→⇒&|∧∨¬!~<>=≤≥]|\\\w|\b(?:and|or|not|until|implies|[URVWST])\b")
-_LETTERS = re.compile(r"[\s(\[{¬!~]*(?:[GFXHOYZ]\s*)+(?P<end>[(\[{¬!~\\]|(?<=\s)(?=[a-z_]))")
-_SYMBOLS = re.compile(
-    r"[\s(\[{¬!~]*(?:\[\s*\]|<>|[□◻◇◊○◯⃞𝐆𝐅𝐗]|\\(?:Box|Diamond|square|bigcirc|mathbf)\b)"
-)
-_WORDS = re.compile(r"[\s(\[{¬!~]*(?:always|globally|eventually|finally|next)\b\s*", re.IGNORECASE)
-_COMPARISON = re.compile(r"[a-z_][\w ]{0,60}\(?\)?\s*(?:[<>≤≥]|[<>=!]=|=)\s*-?\d[\d.]*\s*[\w/^²]*")
 _NONE = re.compile(
     r"\W*(?:none|n/a|nothing|no (?:\w+ ){0,3}(?:rules?|contracts?|assumptions?))\W*", re.I
 )
 _OPEN_END = re.compile(r"(?:->|→|⇒|=>|[&|∧∨,(¬!])\s*$")
 _OPEN_START = re.compile(r"\s*(?:->|→|⇒|=>|[&|∧∨)])")
-_SIGN = re.compile(r"[&|∧∨¬!~<>=≤≥→⇒]")
-_STOP = re.compile(r"[;,#:(—–]|--|//")
 _CODE = re.compile(r"^\s*(?:def|class|import|from|while|for|if|return)\b.*$", re.MULTILINE)
 _DECORATION = re.compile(r"[\s=*_#\-–—~+]*")
 _COMMENT = re.compile(r"\s*(?:#|//|--|==+)")
-_QUOTED = re.compile(r"`[^`]*(?:`|$)|<!--.*?(?:-->|$)", re.DOTALL)
 MAX_LINE = 10_000
-MAX_REMARKED = 2_000
 MAX_RULES = 300
 
 
@@ -168,7 +158,7 @@ def _read_fence(fence: Fence, kind: Kind, source: str | None, found: RuleSection
 
 def _comment(line: str) -> str | None:
     start = _COMMENT.match(line)
-    return _tidy(line[start.end() :].rstrip(" =")) if start else None
+    return tidy_note(line[start.end() :].rstrip(" =")) if start else None
 
 
 def _read_line(line: Text, role: Role, source: str | None, *, certain: bool = False) -> list[Rule]:
@@ -185,141 +175,26 @@ def _read_line(line: Text, role: Role, source: str | None, *, certain: bool = Fa
         raise SkillError(
             "this line is too long", source=source, line=line.line, expected="one formula a line"
         )
-    is_row, is_item = text.startswith("|"), text != line.text.strip()
-    found = None if is_row else _labelled(text, is_item) or _formula(text, certain)
-    if is_row or (is_item and not found):
-        found = _embedded(text)
-    if not found and certain:
-        found = _Found(text, "")
-    return list(_rules(found, line, role, source)) if found else []
+    is_item = text != line.text.strip()
+    found = find_formulas(text, is_item=is_item, certain=certain)
+    return [rule for one in found for rule in _rules(one, line, role, source)]
 
 
-@dataclass
-class _Found:
-    """A formula's text and what stands behind it."""
-
-    text: str
-    note: str
-    delimited: bool = False
-
-
-def _labelled(text: str, is_item: bool) -> _Found | None:
-    """A formula with a name in front of it, as in ``Rule 4: G(a)``; the name becomes the note."""
-    match = _LABEL.match(text)
-    if not match or _SIGN.search(match["label"]) or looks_like_formula(match["label"]):
-        return None
-    rest = text[match.end() :]
-    found = _formula(rest)
-    if found is None or (match["sign"] == "=" and not (found.delimited or _is_temporal(rest))):
-        return None
-    if found.delimited and not is_item and len(match["label"].split()) > 6:
-        return None  # a sentence about a formula
-    found.note = f"{match['label'].strip('*_ ')}: {_tidy(found.note)}".rstrip(": ")
-    return found
-
-
-def _embedded(text: str) -> _Found | None:
-    """The one formula inside a list item or table row: ``- people: stop at once, `G(a)```."""
-    if text.startswith("|") and "`" not in text:
-        found = [c for c in map(str.strip, text.split("|")) if looks_like_formula(c)]
-        note = " ".join(c.strip() for c in text.split("|") if c.strip() not in found)
-    else:
-        spans = [m for m in _SPAN.finditer(text) if looks_like_formula(m[3])]
-        found = [m[3].strip() for m in spans]
-        note = text.replace(spans[0][0], "").replace("|", " ") if spans else ""
-    return _Found(found[0], note, delimited=True) if len(found) == 1 else None
-
-
-def _is_temporal(text: str) -> bool:
-    return bool(_LETTERS.match(text) or _SYMBOLS.match(text))
-
-
-def _formula(text: str, certain: bool = False) -> _Found | None:
-    if span := _SPAN.match(text):
-        inner, rest = span[3].strip(), text[span.end() :]
-        alone = "`" in span[2] and not rest.strip(_SEPARATORS)
-        certain &= not rest and span[2] != "__"  # which may be part of a name
-        if alone or certain or is_recognised(inner):
-            return _Found(inner, rest, delimited=True)
-    return _Found(text, "") if looks_like_formula(text) else None
-
-
-def looks_like_formula(text: str) -> bool:
-    """Tell whether a text is meant as a formula, however badly it may be written."""
-    bare = _QUOTED.sub("", text)
-    if _ARROW.search(bare) or _SYMBOLS.match(bare) or _COMPARISON.fullmatch(text.strip(" .;,")):
-        return True
-    if letters := _LETTERS.match(bare):
-        following = bare[letters.end() :]
-        words = _STOP.split(following, maxsplit=1)[0].split()
-        return bool(letters["end"] or _OPERATOR.search(following) or len(words) <= 3)
-    return bool(_WORDS.match(bare) and _OPERATOR.search(bare))
-
-
-def is_recognised(text: str) -> bool:
-    """Tell a formula between backticks from a single name, which may be there as a word.
-
-    Args:
-        text: The text between the backticks.
-    """
-    if looks_like_formula(text):
-        return True
-    if not _OPERATOR.search(text):
-        return False
-    try:
-        return not isinstance(parse_with_warnings(text).formula, Proposition | Constant)
-    except FormulaError:
-        return False
-
-
-def _rules(found: _Found, line: Text, role: Role, source: str | None) -> Iterator[Rule]:
+def _rules(found: Found, line: Text, role: Role, source: str | None) -> Iterator[Rule]:
     text, note = found.text, found.note
     if not found.delimited:
-        text, note = _split_remark(text, note)
+        text, note = split_remark(text, note)
     text = text.strip("` \n")
     _check(text, line, source)
-    further = _further(note)
-    yield Rule(text=_one_line(text), role=role, note="" if further else _tidy(note))
+    further = further_formula(note)
+    yield Rule(text=_one_line(text), role=role, note="" if further else tidy_note(note))
     if further:
         yield from _rules(further, line, role, source)
 
 
-def _further(note: str) -> _Found | None:
-    """Another formula on the same line: ``G(a), G(b)``."""
-    rest = re.sub(rf"^[{re.escape(_SEPARATORS)}]*(?:(?:and|&)\s)?\s*", "", note)
-    found = _formula(rest)
-    return found if found and (found.delimited or _is_temporal(rest)) else None
-
-
-def _split_remark(text: str, note: str) -> tuple[str, str]:
-    """Cut a remark off a formula that has no delimiters: the longest part that can be read."""
-    ends = [len(text)]
-    if len(text) <= MAX_REMARKED:
-        ends = sorted({m.start() for m in _REMARK.finditer(text)}, reverse=True)
-    for end in ends[:20]:
-        head = text[:end].rstrip(" \t.;,")
-        if head and _error(head) is None:
-            remark = text[end:].strip()
-            return head, f"{remark} {note}" if note else remark
-    shortest = next((text[:e] for e in reversed(ends) if _is_hard(text, e)), text)
-    return shortest, note
-
-
-def _is_hard(text: str, end: int) -> bool:
-    return bool(re.match(r"\s*(?:#|//|--|[–—])", text[end:])) and bool(text[:end].strip())
-
-
-def _error(text: str) -> FormulaError | None:
-    try:
-        parse_with_warnings(text)
-    except FormulaError as error:
-        return error
-    return None
-
-
 def _check(text: str, line: Text, source: str | None) -> None:
     """Raise the parser's error at its place in the file."""
-    error = _error(text)
+    error = find_error(text)
     if error is None and "`" in text:
         error = FormulaError("there is a backtick inside the formula", line=1)
     if error is None:
@@ -341,10 +216,3 @@ def _check(text: str, line: Text, source: str | None) -> None:
 
 def _one_line(text: str) -> str:
     return " ".join(text.split())
-
-
-def _tidy(note: str) -> str:
-    note = _one_line(note).lstrip(_SEPARATORS)
-    if note.startswith("(") and note.endswith(")") and note.count("(") == 1:
-        note = note[1:-1].strip()
-    return note.lstrip(_SEPARATORS)

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from vaso.errors import SkillError
 from vaso.skill import Rule, Skill
+from vaso.skill_file.formulas import is_recognised
 from vaso.skill_file.front_matter import write_front_matter
-from vaso.skill_file.rules import is_recognised
 from vaso.skill_file.titles import Kind
 
 _TICKS = re.compile(r"`{3,}")
