@@ -108,6 +108,7 @@ def test_sensors_that_the_plan_does_not_read_are_free_all_the_same():
         "actions = {'go': forward, 'halt': stop}\nactions['go']()\nactions['halt']()\n",
         "def go(n=1, *, then=stop):\n    for i in range(n):\n        print(f'{i}: on')\n        forward()\n    then()\n    return n\ngo()\n",
         "done = False\nn = 0\nwhile not done:\n    forward()\n    n += 1\n    done = n >= 1\nstop()\n",
+        "from enum import Enum, auto\nclass State(Enum):\n    GO = auto()\n    HALT = 0\nstate = State.GO\nfor _ in range(3):\n    if state is State.GO and state and state != State.HALT:\n        forward()\n        state = State.HALT\n    elif state == State.HALT:\n        stop()\n",
         "def walk():\n    count = 0\n    def inner():\n        nonlocal count\n        count += 1\n        forward()\n    while count < 1:\n        inner()\n    stop()\nwalk()\n",
     ],
 )  # fmt: skip
@@ -249,6 +250,7 @@ def test_an_unbounded_counter_meets_the_budget():
         ("().__class__.__bases__[0].__subclasses__()\n", "AttributeError"),
         ("def f():\n    yield 1\nlist(f())\n", "yield"),
         ("class A(dict):\n    pass\n", "inheritance"),
+        ("import enum\nclass S(enum.Enum):\n    A = 1\nif S.A.value == 1:\n    forward()\n", "value"),
     ],
 )
 def test_hostile_and_unsupported_plans_are_contained(source, word):

@@ -38,8 +38,8 @@ class Budget:
         branches: Largest number of sensor valuations that one step may tell apart.
     """
 
-    states: int = 5_000
-    seconds: float = 30.0
+    states: int = 3_000
+    seconds: float = 20.0
     branches: int = 1_024
 
 

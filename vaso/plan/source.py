@@ -22,6 +22,7 @@ from vaso.plan.rewrite import (
     alias_edits,
     apply_edits,
     collect_call,
+    enum_edits,
     import_edits,
     last_value_edits,
     mark_edits,
@@ -29,7 +30,7 @@ from vaso.plan.rewrite import (
 
 MODULES = frozenset(
     {
-        "math", "time", "typing", "typing_extensions", "dataclasses", "collections",
+        "enum", "math", "time", "typing", "typing_extensions", "dataclasses", "collections",
         "itertools", "functools", "json", "re", "datetime", "__future__", "string",
         "statistics", "operator", "copy"
     }
@@ -82,6 +83,7 @@ def prepare(
     _check_imports(tree, name, known)
     _check_names(tree, name, {*known, *constants})
     edits = list(alias_edits(tree))
+    edits += enum_edits(tree)
     edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
     tail = _entry_call(tree, name, known)
     if trajectory:
