@@ -14,7 +14,7 @@ from vaso.skill import Rule, Skill
 FOLDER = Path(__file__).parent
 sys.path[:0] = [str(FOLDER), str(FOLDER.parent)]
 
-from vaso_scripts import LABELLING, TEMPLATE
+from vaso_scripts import LABELLING, TEMPLATE  # noqa: E402
 
 PEOPLE_RULE = "G(people_observed -> X stop)"
 
