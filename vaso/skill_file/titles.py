@@ -28,7 +28,7 @@ class Kind(StrEnum):
         """The heading level in canonical writing."""
         if self is Kind.SKILL:
             return 1
-        return 3 if self in (Kind.LABELLING, Kind.TEMPLATE) else 2
+        return 3 if self in (Kind.LABELLING, Kind.APIS, Kind.TEMPLATE) else 2
 
     @property
     def heading(self) -> str:
