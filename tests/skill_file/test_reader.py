@@ -538,3 +538,12 @@ HEAD = "---\nname: x\nmetadata: {platform: jackal}\n---\n## Global Contract\n"
 )
 def test_files_made_to_be_slow(text: str) -> None:
     refused(text)
+
+
+def test_a_skill_file_cannot_choose_python_to_run(tmp_path):
+    robot = tmp_path / "robot.py"
+    robot.write_text("raise SystemExit('this must not run')\n", encoding="utf-8")
+    for name in (str(robot), "../robot.py", "robot.py"):
+        text = f"---\nname: a\nmetadata:\n  platform: {name}\n---\n\n# Skill: a\n"
+        with pytest.raises(SkillError, match="no plain name"):
+            read_skills(text, strict=False)
