@@ -547,3 +547,4 @@ def test_a_skill_file_cannot_choose_python_to_run(tmp_path):
         text = f"---\nname: a\nmetadata:\n  platform: {name}\n---\n\n# Skill: a\n"
         with pytest.raises(SkillError, match="no plain name"):
             read_skills(text, strict=False)
+        assert read_skills(text, strict=False, platform="px4")[0].platform == "px4"

@@ -65,7 +65,7 @@ skills = st.builds(
     Skill,
     name=st.sampled_from(["drive", "a-b-1"]),
     description=st.text(st.characters(codec="utf-8"), max_size=60),
-    platform=st.sampled_from(["jackal", "px4", "./my robot.py"]),
+    platform=st.sampled_from(["jackal", "px4", "my-robot"]),
     global_rules=rules("global"),
     local_rules=rules("local"),
     assumptions=rules("assumption"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -67,7 +68,7 @@ def assemble(
         return Skill(
             name=draft.name,
             description=description,
-            platform=platform or front.platform or _guess(parts, draft, source),
+            platform=platform or _named(front, source) or _guess(parts, draft, source),
             global_rules=roles["global"],
             local_rules=roles["local"],
             assumptions=roles["assumption"],
@@ -205,6 +206,22 @@ def _of_role(rules: Sequence[Rule], role: str) -> tuple[Rule, ...]:
         if rule.role == role:
             found.setdefault(str(rule), rule)
     return tuple(found.values())
+
+
+def _named(front: FrontMatter, source: str | None) -> str | None:
+    """The platform of the front matter: a plain name.
+
+    A platform file is Python that VASO runs, so only the user may choose one, never a skill file.
+    """
+    if front.platform is not None and not re.fullmatch(r"[A-Za-z][\w-]*", front.platform):
+        raise SkillError(
+            f"the front matter names the platform {front.platform!r}, which is no plain name",
+            source=source,
+            line=1,
+            expected="metadata: {platform: jackal}",
+            hint="for a platform of your own, name its file in the call: --platform my_robot.py",
+        )
+    return front.platform
 
 
 def _guess(parts: _Parts, draft: Draft, source: str | None) -> str:

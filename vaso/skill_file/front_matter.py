@@ -114,15 +114,6 @@ def _interpret(data: dict[str, Any], source: str | None, line: int) -> FrontMatt
     if extra:
         rest["metadata"] = extra
     platform = next((p for p in named if p is not None), None)
-    if platform is not None and not re.fullmatch(r"[A-Za-z][\w-]*", str(platform)):
-        # A platform file is Python that VASO runs: only the user may choose it, never a skill file.
-        raise SkillError(
-            f"the front matter names the platform {platform!r}, which is no plain name",
-            source=source,
-            line=line,
-            expected="metadata: {platform: jackal}",
-            hint="for a platform of your own, name its file in the call: --platform my_robot.py",
-        )
     return FrontMatter(
         name=None if name is None else str(name),
         description="" if description is None else str(description),
