@@ -48,7 +48,7 @@ fi
 # PyNuSMV: built here, where its progress is visible; `uv sync` below then takes it from the cache
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-say "PyNuSMV: built from source once (1-3 minutes), cached afterwards"
+say "PyNuSMV: built from source the first time (1-4 minutes), then taken from a cache"
 "$UV" build --wheel --python "$PYTHON" --out-dir "$out" third_party/pynusmv
 
 say "installing the packages of uv.lock into .venv"
