@@ -114,9 +114,20 @@ def test_text_of_the_plan_stays_inside_comments(hostile, tmp_path):
     assert nusmv(text, tmp_path) == ["false"]
 
 
+@pytest.mark.parametrize("count", [1, 2, 63, 64, 65, 128, 129, 300])
+def test_systems_of_any_size(count, tmp_path):
+    last = count - 1
+    states = tuple(State(str(i), labels={"n": float(i)}) for i in range(count))
+    edges = tuple((Edge({}, min(i + 1, last)),) for i in range(count))
+    places = [i for i in (0, 62, 63, 64, 127, 128, last) if i <= last]
+    moves = [parse(f"F(n == {i}) & G(n == {i} -> X n == {min(i + 1, last)})") for i in places]
+    text = str(to_smv(TransitionSystem(states, edges), [*moves, parse("G FALSE")]))
+    assert nusmv(text, tmp_path) == ["true"] * len(moves) + ["false"]
+
+
 def test_a_system_without_a_successor_is_refused():
     stuck = two_states(edges=((Edge({PEOPLE: True}, 0),), (Edge({}, 0),)))
-    with pytest.raises(LookupError, match="state 0: 0 edge cases under .*False"):
+    with pytest.raises(LookupError, match=r"state 0: 0 edge cases under .*False"):
         to_smv(stuck, [parse("G FALSE")])
 
 

@@ -63,7 +63,7 @@ def test_every_complete_verifier_gives_the_same_verdicts(name):
 
 
 def test_an_unknown_name_is_refused():
-    with pytest.raises(VerifierError, match="'z3'.*\n.*auto, pynusmv, nusmv, nuxmv, lasso"):
+    with pytest.raises(VerifierError, match=r"'z3'.*\n.*auto, pynusmv, nusmv, nuxmv, lasso"):
         get_verifier("z3")
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 from vaso.ltl import Formula
 from vaso.plan.atoms import AtomTables
-from vaso.plan.export import SmvModel, to_smv
+from vaso.plan.export import to_smv
 from vaso.plan.transition_system import TransitionSystem
 from vaso.verdict import Verdict
 from vaso.verifiers.base import Answer, Lasso
@@ -16,6 +17,7 @@ from vaso.verifiers.reduction import reduce
 from vaso.verifiers.runs import follow, objection
 from vaso.verifiers.shortening import shorten
 from vaso.verifiers.support import not_total, readable
+from vaso.verifiers.witness import find_violation
 
 __all__ = ["SMVVerifier"]
 
@@ -23,9 +25,11 @@ __all__ = ["SMVVerifier"]
 class SMVVerifier:
     """Decides formulas with an SMV engine.
 
-    The system is reduced to what the formulas can see, written as one model, and loaded once. A
-    counterexample is trusted only as a sequence of sensor values: it is followed on the full
-    system, replayed step by step, and the formula is evaluated on it without the engine.
+    The system is reduced to what the formulas can see, written as one model, and loaded once. For
+    a formula that fails, a violating run is searched on the explicit automaton, and where that
+    finds none the engine is asked for its trace. Either is trusted only as a sequence of sensor
+    values: it is followed on the full system, replayed step by step, and the formula is evaluated
+    on it without the engine.
 
     Args:
         engine: The engine.
@@ -55,47 +59,76 @@ class SMVVerifier:
         sound, answers = readable(tables, formulas, self.name)
         if sound:
             asked = [formulas[i] for i in sound]
-            model = to_smv(reduce(system, asked, tables), asked)
-            found = self.engine.check(
-                model.text, model.specs, timeout=timeout, traces=counterexamples
-            )
-            judge = _Judge(system, model, self.name, counterexamples)
-            for index, answer in zip(sound, found, strict=True):
-                answers[index] = judge.answer(formulas[index], answer)
+            task = _Task(system, reduce(system, asked, tables), asked, self.engine)
+            found = task.answers(time.monotonic() + timeout, counterexamples)
+            answers.update(zip(sound, found, strict=True))
         return [answers[i] for i in range(len(formulas))]
 
 
-@dataclass(frozen=True, slots=True)
-class _Judge:
-    """Turns an engine's answers into verdicts on the full system."""
+class _Task:
+    """Formulas on one system: verdicts by the engine, runs from wherever they can be had."""
 
-    system: TransitionSystem
-    model: SmvModel
-    name: str
-    counterexamples: bool
+    def __init__(
+        self,
+        system: TransitionSystem,
+        reduced: TransitionSystem,
+        formulas: Sequence[Formula],
+        engine: SMVEngine,
+    ) -> None:
+        self.system, self.reduced = system, reduced
+        self.formulas, self.engine = formulas, engine
+        self.model = to_smv(reduced, formulas)
 
-    def answer(self, formula: Formula, found: SMVAnswer) -> Answer:
+    def answers(self, deadline: float, counterexamples: bool) -> list[Answer]:
+        found = self._ask(range(len(self.formulas)), deadline, traces=False)
+        answers = [self._verdict(a) for a in found]
+        if not counterexamples:
+            return answers
+        failed = [i for i, a in enumerate(answers) if a.verdict is Verdict.FAIL]
+        for index in failed:
+            answers[index] = replace(answers[index], lasso=self._search(self.formulas[index]))
+        left = [i for i in failed if answers[i].lasso is None]
+        for index, traced in zip(left, self._ask(left, deadline, traces=True), strict=True):
+            answers[index] = self._confirmed(index, answers[index], traced)
+        return answers
+
+    def _ask(self, indices: Sequence[int], deadline: float, *, traces: bool) -> list[SMVAnswer]:
+        if not indices:
+            return []
+        specs = [self.model.specs[i] for i in indices]
+        left = max(0.0, deadline - time.monotonic())
+        return self.engine.check(self.model.text, specs, timeout=left, traces=traces)
+
+    def _verdict(self, found: SMVAnswer) -> Answer:
         if found.holds is None:
-            return Answer(Verdict.UNKNOWN, self.name, found.seconds, reason=found.reason)
-        if found.holds:
-            return Answer(Verdict.PASS, self.name, found.seconds)
-        if not self.counterexamples:
-            return Answer(Verdict.FAIL, self.name, found.seconds)
-        if found.trace is None:
-            return self._unconfirmed(found, found.reason or "it gave no trace")
-        lasso = self._decode(found.trace)
-        doubt = objection(self.system, lasso, formula)
-        if doubt:
-            return self._unconfirmed(found, doubt)
-        lasso = shorten(self.system, lasso, formula)
-        return Answer(Verdict.FAIL, self.name, found.seconds, lasso)
+            verdict = Verdict.UNKNOWN
+        else:
+            verdict = Verdict.PASS if found.holds else Verdict.FAIL
+        return Answer(verdict, self.engine.name, found.seconds, reason=found.reason)
 
-    def _decode(self, trace: SMVTrace) -> Lasso:
+    # --- counterexamples -----------------------------------------------------------------------
+
+    def _search(self, formula: Formula) -> Lasso | None:
+        """A violating run from the explicit automaton."""
+        word = find_violation(reduce(self.reduced, [formula]), formula)
+        lasso = None if word is None else follow(self.system, *word)
+        if lasso is None or objection(self.system, lasso, formula):
+            return None
+        return shorten(self.system, lasso, formula)
+
+    def _confirmed(self, index: int, answer: Answer, traced: SMVAnswer) -> Answer:
+        """A violating run from the engine's trace; without one, there is no verdict."""
+        formula, seconds = self.formulas[index], answer.seconds + traced.seconds
+        lasso = None if traced.trace is None else self._decode(traced.trace)
+        if lasso is None:
+            doubt = traced.reason or "it gave no trace"
+        else:
+            doubt = objection(self.system, lasso, formula)
+        if lasso is not None and not doubt:
+            return replace(answer, seconds=seconds, lasso=shorten(self.system, lasso, formula))
+        reason = f"{answer.engine} reports a violation, but its run is not confirmed: {doubt}"
+        return Answer(Verdict.UNKNOWN, answer.engine, seconds, reason=reason)
+
+    def _decode(self, trace: SMVTrace) -> Lasso | None:
         values = [self.model.valuation(step.values) for step in trace.steps]
-        lasso = follow(self.system, values[: trace.loop_start], values[trace.loop_start :])
-        assert lasso is not None  # without a limit, a run of a finite system closes
-        return lasso
-
-    def _unconfirmed(self, found: SMVAnswer, doubt: str) -> Answer:
-        reason = f"{self.name} reports a violation, but its run is not confirmed: {doubt}"
-        return Answer(Verdict.UNKNOWN, self.name, found.seconds, reason=reason)
+        return follow(self.system, values[: trace.loop_start], values[trace.loop_start :])

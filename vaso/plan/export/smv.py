@@ -21,6 +21,8 @@ __all__ = ["SmvModel", "to_smv"]
 
 _WORDS = {"<": "lt", "<=": "le", ">": "gt", ">=": "ge", "==": "eq", "!=": "ne"}
 _TERMS = {"+": " plus ", "-": " minus ", "*": " times ", "/": " over "}
+_GROUP = 64
+"""States in one `case`: NuSMV takes quadratic time to read a long one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +105,7 @@ class _Writer:
             "ASSIGN",
             "  init(state) := 0;",
             "  next(state) := case",
-            *(line for number in range(len(self.system.states)) for line in self._branches(number)),
-            # NuSMV takes a variable of one value for a constant, which cannot be assigned to.
-            *(["    state = 1 : 1;  -- not used"] if len(self.system.states) == 1 else []),
+            *self._transitions(),
             "  esac;",
             *(["DEFINE"] if self.atoms else []),
             *(self._define(atom, name) for atom, name in self.atoms.items()),
@@ -125,6 +125,18 @@ class _Writer:
             return _comment(sensor.name, f"  {name} : boolean;")
         values = ", ".join(f"{i} = {v!r}" for i, v in enumerate(sensor.domain))
         return _comment(f"{sensor.name}: {values}", f"  {name} : 0..{len(sensor.domain) - 1};")
+
+    def _transitions(self) -> Iterable[str]:
+        count = len(self.system.states)
+        for first in range(0, count, _GROUP):
+            numbers = range(first, min(first + _GROUP, count))
+            lines = [line for number in numbers for line in self._branches(number)]
+            if count > _GROUP:
+                lines = [f"    state in ({_ranges(numbers)}) : case", *lines, "    esac;"]
+            yield from lines
+        if count == 1:
+            # NuSMV takes a variable of one value for a constant, which cannot be assigned to.
+            yield "    state = 1 : 1;  -- not used"
 
     def _branches(self, number: int) -> Iterable[str]:
         for edge in self.system.edges[number]:
