@@ -7,6 +7,7 @@ from vaso.errors import SkillError
 from vaso.ltl import holds, parse
 from vaso.skill import Rule
 from vaso.verdict import Verdict
+from vaso.verifiers import Answer, AutoVerifier
 
 BYPASS, DRIVE = load_skill("bypass-object"), load_skill("drive")
 PATIENT = "while people_observed():\n    stop()\nforward()\n"
@@ -90,6 +91,27 @@ def test_an_observation_that_depends_on_what_the_robot_does_is_refused():
 def test_contradictory_assumptions_are_refused():
     with pytest.raises(SkillError, match=r"G people_observed and F !people_observed"):
         check(PATIENT, "G(speed < 0.5)", "G people_observed", "F !people_observed")
+
+
+class Hesitant:
+    """Decides everything but whether the assumption is possible."""
+
+    name = "hesitant"
+
+    def check(self, system, formulas, *, timeout=60.0, counterexamples=True):
+        answers = AutoVerifier().check(
+            system, formulas, timeout=timeout, counterexamples=counterexamples
+        )
+        impossible = parse("!(G F !people_observed)")
+        return [
+            Answer(Verdict.UNKNOWN, self.name, reason="time-out") if f == impossible else a
+            for f, a in zip(formulas, answers, strict=True)
+        ]
+
+
+def test_an_assumption_that_may_be_impossible_proves_nothing():
+    result = check(PATIENT, "F forward", "G F !people_observed", verifier=Hesitant())
+    assert result.verdict is Verdict.UNKNOWN and "whether they can be true" in result.reason
 
 
 def test_a_verifier_that_cannot_tell_whether_they_are_possible_gives_no_pass():

@@ -139,3 +139,13 @@ def test_assumptions_keep_their_meaning_after_a_cut():
     answer = checker.ask([rule], counterexamples=True)[0]
     assert answer.verdict is Verdict.FAIL
     assert not answer.lasso.run[-1][1]["s"]
+
+
+def test_a_proof_does_not_rely_on_what_a_cut_state_says_of_the_sensors():
+    states = (
+        State("go", labels={"stop": True, "seen": True}),
+        State("?", labels={"stop": True, "seen": False}, cut=True),
+    )
+    system = TransitionSystem(states, ((Edge({}, 1),), (Edge({}, 1),)), cut=Cut("bound", 1, 0))
+    answer = Checker(system, VERIFIER, 60).ask([Query(parse("G stop"), (parse("G F seen"),))])[0]
+    assert answer.verdict is Verdict.UNKNOWN
