@@ -1,7 +1,7 @@
 """An OpenAI-compatible HTTP server on 127.0.0.1 that answers from a script.
 
-    with OpenAIServer(["first reply", Status(500), lambda request: "third"]) as server:
-        lm = dspy.LM("openai/test", api_base=server.url, api_key="none", cache=False)
+with OpenAIServer(["first reply", Status(500), lambda request: "third"]) as server:
+    lm = dspy.LM("openai/test", api_base=server.url, api_key="none", cache=False)
 """
 
 import json

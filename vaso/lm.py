@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import contextvars
-import importlib.util
 import os
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from vaso.errors import MissingDependencyError, ModelError
+from vaso.errors import ModelError
 
 if TYPE_CHECKING:
     from vaso.optimizers.budget import Ledger
@@ -37,7 +36,6 @@ def get_lm(model: Any = None, **options: Any) -> Any:
 
     Raises:
         ModelError: No model is given or configured, or the name is not one.
-        MissingDependencyError: dspy is not installed.
     """
     dspy = import_dspy()
     if isinstance(model, dspy.BaseLM):
@@ -66,14 +64,8 @@ def _connection(name: str) -> dict[str, Any]:
 
 
 def import_dspy() -> Any:
-    """Import dspy without its look-ups on the network.
-
-    Raises:
-        MissingDependencyError: It is not installed.
-    """
+    """Import dspy without its look-ups on the network."""
     os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
-    if importlib.util.find_spec("dspy") is None:
-        raise MissingDependencyError("dspy", "dev")
     import dspy
 
     return dspy

@@ -240,3 +240,8 @@ def test_global_rules_are_no_parameter():
     result = run([[{"global_rules": "true"}]])
     assert "cannot be optimized" in result.steps[0].error
     assert result.skill.model_dump_json() == SKILL.model_dump_json()
+
+
+def test_crashes_between_proposals_that_were_judged_are_not_in_a_row():
+    script = [[template(0.4), RuntimeError("boom")] for _ in range(5)] + [[template(1.0)]]
+    assert run(script).verified

@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 from vaso.errors import ModelError
 from vaso.lm import explain
-from vaso.optimizers.adalflow_setup import CharacterCount, import_adalflow, private_home
+from vaso.optimizers.adalflow_setup import (
+    CharacterCount,
+    import_adalflow,
+    private_home,
+    require_adalflow,
+)
 from vaso.optimizers.base import Case, LossValue, Proposal, State
 from vaso.optimizers.budget import BudgetExhausted
 from vaso.optimizers.parameters import ROLES
@@ -42,6 +47,9 @@ class AutoDiff:
     name: str = "adalflow"
     needs_lm: bool = True
     deterministic: bool = False
+
+    def __post_init__(self) -> None:
+        require_adalflow()
 
     def propose(self, state: State) -> Iterator[Proposal]:
         """Forward and backward on a sample of the cases; then one proposal after the other.
@@ -113,10 +121,14 @@ class _Step:
         ids = {case: number for number, case in self.cases.items()}
         for case, value in sample:
             verdict = _verdict(value)
-            with quiet("adalflow"):
-                given = {p.name: p for p in (*self.texts, *_given(case, self.state))}
-                plan = self.planner.forward(id=ids[case], **given)
-                self.loss.evaluate(plan, ids[case], verdict).backward()
+            try:
+                with quiet("adalflow"):
+                    given = {p.name: p for p in (*self.texts, *_given(case, self.state))}
+                    plan = self.planner.forward(id=ids[case], **given)
+                    self.loss.evaluate(plan, ids[case], verdict).backward()
+            except ValueError:  # AdalFlow's word for status 429
+                self._raise_if_hopeless(give_up=True)
+                raise
             self._raise_if_hopeless()
 
     # -- proposals -----------------------------------------------------------------------------

@@ -120,7 +120,7 @@ def _clean(text: str | None) -> str | None:
         return None
     fenced = re.search(r"^[ \t]*```[\w+-]*[ \t]*\n(.*?)^[ \t]*```", text, re.DOTALL | re.MULTILINE)
     body = textwrap.dedent(fenced.group(1) if fenced else text).strip("\n").rstrip()
-    return body + "\n" if body.strip() else None
+    return body or None
 
 
 class _Bag(list):  # type: ignore[type-arg]

@@ -18,6 +18,17 @@ EXTRA = "adalflow"
 TOKENIZERS = "TIKTOKEN_CACHE_DIR"
 
 
+def require_adalflow() -> None:
+    """Check that AdalFlow is installed, and the openai package that it needs; import nothing.
+
+    Raises:
+        MissingDependencyError: One of them is not.
+    """
+    for package in ("adalflow", "openai"):
+        if importlib.util.find_spec(package) is None:
+            raise MissingDependencyError(package, EXTRA)
+
+
 def import_adalflow() -> None:
     """Import AdalFlow.
 
@@ -25,11 +36,9 @@ def import_adalflow() -> None:
     has it on board.
 
     Raises:
-        MissingDependencyError: AdalFlow is not installed, or the openai package that it needs.
+        MissingDependencyError: It is not installed.
     """
-    for package in ("adalflow", "openai"):
-        if importlib.util.find_spec(package) is None:
-            raise MissingDependencyError(package, EXTRA)
+    require_adalflow()
     before = os.environ.get(TOKENIZERS)
     if before is None and (folder := _tokenizers()):
         os.environ[TOKENIZERS] = str(folder)

@@ -46,15 +46,16 @@ def _same(label: Label, truth: Label) -> bool:
 
 def _pairs(system: TransitionSystem, platform: Platform) -> Iterator[tuple[int, Hashable]]:
     """Every reachable pair of a control state and the dynamics' state, up to a bound."""
+    issued = {text: read_command(text, platform) for text in {s.command for s in system.states}}
     start = (0, platform.dynamics.initial())
     seen, queue = {start}, deque([start])
     while queue and len(seen) <= MAX_PAIRS:
         state, world = queue.popleft()
         yield state, world
         for edge in system.edges[state]:
-            issued = read_command(system.states[edge.target].command, platform)
-            if issued is not None:
-                pair = (edge.target, platform.dynamics.step(world, issued))
+            command = issued[system.states[edge.target].command]
+            if command is not None:
+                pair = (edge.target, platform.dynamics.step(world, command))
                 if pair not in seen:
                     seen.add(pair)
                     queue.append(pair)

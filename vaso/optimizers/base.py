@@ -27,11 +27,9 @@ class Case:
 
     Attributes:
         task: The task prompt.
-        sample: Tells several plans for one prompt apart, where the planner is not deterministic.
     """
 
     task: str
-    sample: int = 0
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,8 @@ class LossValue:
     @property
     def violated(self) -> tuple[str, ...]:
         """The rules that do not pass, as written."""
-        return tuple(s.spec for s in self.result.failures) if self.result else ()
+        failures = self.result.failures if self.result is not None else ()
+        return tuple(s.spec for s in failures)
 
     @classmethod
     def malformed(cls, problems: Mapping[str, str], level: Level = Level.BLAME) -> LossValue:

@@ -54,7 +54,9 @@ def purpose(system: TransitionSystem, platform: Platform) -> Purpose:
     if platform.trajectory is not None:
         return Purpose(legs=_legs(system, platform))
     graph = [[edge.target for edge in edges] for edges in system.edges]
-    doing = [_actions(state.command, platform) for state in system.states]
+    commands = {state.command for state in system.states}
+    known = {command: _actions(command, platform) for command in commands}
+    doing = [known[state.command] for state in system.states]
     names = sorted(set().union(*doing))
     return Purpose({n: longest_weights(graph, [n in here for here in doing]) for n in names})
 

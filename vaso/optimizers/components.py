@@ -37,13 +37,14 @@ def components(graph: Graph) -> Iterator[list[int]]:
     """
     order: dict[int, int] = {0: 0}
     low = {0: 0}
-    stack, on_stack = [0], {0}
+    stack, on_stack, place = [0], {0}, {0: 0}
     work = [(0, iter(graph[0]))]
     while work:
         node, targets = work[-1]
         fresh = next((t for t in targets if _visit(t, node, order, low, on_stack)), None)
         if fresh is not None:
             order[fresh] = low[fresh] = len(order)
+            place[fresh] = len(stack)
             stack.append(fresh)
             on_stack.add(fresh)
             work.append((fresh, iter(graph[fresh])))
@@ -52,8 +53,8 @@ def components(graph: Graph) -> Iterator[list[int]]:
         if work:
             low[work[-1][0]] = min(low[work[-1][0]], low[node])
         if low[node] == order[node]:
-            at = stack.index(node)
-            found, stack[at:] = stack[at:], []
+            found = stack[place[node] :]
+            del stack[place[node] :]
             on_stack.difference_update(found)
             yield found
 

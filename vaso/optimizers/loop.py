@@ -167,7 +167,6 @@ class Run:
             self._record(None, gradient, before, self._failed(problem))
             self._stop_if_hopeless(problem)
             return
-        self.failures = 0
         self._record(accepted, gradient, before, "")
         if accepted is None and self.proposer.deterministic:
             raise Stop(f"{self.proposer.name} has nothing more to propose")
@@ -200,6 +199,7 @@ class Run:
         candidate = self.best.replace(proposal.texts)
         self._emit("proposed", proposal.note or "a new text", changed=self.best.changed(candidate))
         reason, values = self._judge(candidate, proposal)
+        self.failures = 0
         if reason is None:
             self.best, self.values = candidate, values
             return True

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vaso.errors import ModelError, VasoError
-from vaso.feasibility import FeasibilityResult, check
+from vaso.feasibility import FeasibilityResult, check, satisfiable
 from vaso.gradient import find_repair, textual_gradient
 from vaso.gradient.model import Edit, Level, TextualGradient
 from vaso.lm import explain
+from vaso.ltl import Unary
 from vaso.modules.symbolic import SymbolicPlanner
 from vaso.optimizers.alignment import misaligned
 from vaso.optimizers.base import Case, LossValue
@@ -19,6 +20,7 @@ from vaso.optimizers.completion import Purpose, completion, purpose, purpose_of_
 from vaso.optimizers.parameters import Parameters, _digest
 from vaso.plan import Budget, compile_plan
 from vaso.plan.model import Plan
+from vaso.plan.transition_system import TransitionSystem
 from vaso.platforms import get_platform
 from vaso.skill import Skill
 from vaso.verdict import VerificationResult
@@ -29,6 +31,7 @@ Planner = Callable[[Skill, str], Any]
 Verify = Callable[[Skill, Plan], VerificationResult]
 
 
+KEPT_SYSTEMS = 16
 SECONDS = 20.0
 """Bound for exploring a plan, and for checking it."""
 
@@ -76,6 +79,7 @@ class SkillLoss:
         self._verify, self._check = verify or _verify_in_time, check
         self._plans: dict[str, str] = {}
         self._judged: dict[str, _Judged] = {}
+        self._systems: dict[str, TransitionSystem | None] = {}
         self._conflicts: dict[str, str] = {}
         self._repairs: dict[str, Edit | None] = {}
 
@@ -109,16 +113,31 @@ class SkillLoss:
     # -- stages --------------------------------------------------------------------------------
 
     def _conflict(self, skill: Skill) -> str:
-        """The feedback for an infeasible skill; empty for one that is feasible or undecided."""
-        key = _digest(f"{r.role}:{r.text}" for r in (*skill.rules, *skill.assumptions))
+        """What is wrong with the contract itself; empty where nothing is, as far as is known."""
+        key = _key(skill, "")
         if key not in self._conflicts:
             found = self._check(skill)
-            infeasible = found.feasible is False
-            self._conflicts[key] = (found.feedback or found.summary()) if infeasible else ""
+            if found.feasible is False:
+                self._conflicts[key] = found.feedback or found.summary()
+            else:
+                self._conflicts[key] = self._emptiness(skill)
         return self._conflicts[key]
 
+    def _emptiness(self, skill: Skill) -> str:
+        """Why a new local rule is none: it must not be bought by saying nothing."""
+        before = self.initial.origin
+        if skill.local_rules == before.local_rules:
+            return ""
+        if before.local_rules and not skill.local_rules:
+            return "without a local rule the skill says nothing of what it is for"
+        for rule in skill.local_rules:
+            others = [r.formula for r in (*skill.global_rules, *skill.assumptions)]
+            if satisfiable([*others, Unary("!", rule.formula)]).sat is False:
+                return f"{rule} says nothing that the global rules do not say"
+        return ""
+
     def _plan(self, params: Parameters, case: Case) -> Plan:
-        key = _digest([params.key, case.task, str(case.sample)])
+        key = _digest([params.key, case.task])
         if key not in self._plans:
             self._plans[key] = self._draw(params.skill, case).source
         return Plan(source=self._plans[key], task=case.task)
@@ -136,12 +155,12 @@ class SkillLoss:
 
     def _judge(self, skill: Skill, plan: Plan) -> _Judged:
         """The verdict on a plan. It is kept without the transition system, which may be large."""
-        rules = [f"{r.role}:{r.text}" for r in (*skill.rules, *skill.assumptions)]
-        key = _digest([*rules, skill.labelling_code, plan.source])
+        key = _key(skill, plan.source)
         if key not in self._judged:
             self.verifications += 1
             result = self._verify(skill, plan)
             system = result.system
+            self._remember(key, system)
             self._judged[key] = _Judged(
                 replace(result, system=None),
                 purpose(system, self.platform) if system else None,
@@ -156,10 +175,18 @@ class SkillLoss:
         return replace(value, result=self._explored(params.skill, value.result))
 
     def _explored(self, skill: Skill, result: VerificationResult) -> VerificationResult:
-        try:
-            return replace(result, system=compile_plan(result.plan, skill, platform=self.platform))
-        except VasoError:
-            return result
+        key = _key(skill, result.plan)
+        if key not in self._systems:
+            try:
+                self._remember(key, compile_plan(result.plan, skill, platform=self.platform))
+            except VasoError:
+                self._remember(key, None)
+        return replace(result, system=self._systems[key])
+
+    def _remember(self, key: str, system: TransitionSystem | None) -> None:
+        self._systems[key] = system
+        while len(self._systems) > KEPT_SYSTEMS:
+            self._systems.pop(next(iter(self._systems)))
 
     def _reference(self, case: Case) -> tuple[Purpose, frozenset[str]]:
         """What the first plan for a case can do, and where its labels were wrong already."""
@@ -207,6 +234,11 @@ class SkillLoss:
                 platform=self.platform,
             )
         return self._repairs[key]
+
+
+def _key(skill: Skill, plan: str) -> str:
+    rules = [f"{r.role}:{r.text}" for r in (*skill.rules, *skill.assumptions)]
+    return _digest([*rules, skill.labelling_code, plan])
 
 
 def _verify_in_time(skill: Skill, plan: Plan) -> VerificationResult:

@@ -68,7 +68,7 @@ class ProposeAndCheck:
     ) -> str:
         skill = state.params.skill
         others = {n: t for n, t in state.params.items() if n != name}
-        with dspy.context(lm=fresh(state.lm, state, number)):
+        with dspy.context(lm=fresh(state.lm, state, number), adapter=_adapter()):
             reply = ask(
                 dspy.Predict(RewriteText),
                 "new_text",
@@ -82,6 +82,14 @@ class ProposeAndCheck:
                 rejected=_shown(name, tried),
             )
         return code_of(reply)
+
+
+def _adapter() -> Any:
+    """The user's adapter, or dspy's own without its second question in JSON.
+
+    A reply that does not keep to the format is often the bare text, and is taken as that.
+    """
+    return dspy.settings.adapter or dspy.ChatAdapter(use_json_adapter_fallback=False)
 
 
 def _to_blame(value: LossValue, state: State) -> str:

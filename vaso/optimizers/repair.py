@@ -63,4 +63,4 @@ def _failures(state: State, text: str) -> list[SpecResult]:
     """The formulas that plans from a template violate, each once; they say where to look first."""
     params = state.params.replace({TEXT: text})
     results = [state.evaluate(params, case).result for case in state.values]
-    return list({f.formula: f for r in results if r for f in r.failures}.values())
+    return list({f.formula: f for r in results if r is not None for f in r.failures}.values())

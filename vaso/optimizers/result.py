@@ -181,10 +181,9 @@ def _last_reason(step: StepRecord) -> str:
 def _case_json(case: Case, value: LossValue) -> dict[str, Any]:
     return {
         "task": case.task,
-        "sample": case.sample,
         "score": value.score,
         "completion": value.completion,
         "error": value.error,
         "plan": value.plan,
-        "result": value.result.to_json() if value.result else None,
+        "result": None if value.result is None else value.result.to_json(),
     }

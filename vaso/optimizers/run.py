@@ -67,6 +67,8 @@ def optimize(
         OptimizerError: No such optimizer, a bad budget, or a checkpoint of another run.
         MissingDependencyError: The optimizer's package is not installed.
     """
+    if resume and out is None:
+        raise OptimizerError("there is nothing to resume", expected="out=, the folder of the run")
     start = skill if isinstance(skill, Skill) else _load(skill)
     cases = [Case(task) for task in _tasks(start, tasks)]
     if not cases:
