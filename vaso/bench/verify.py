@@ -136,7 +136,7 @@ def _time(
         answers = verifier.check(load.system, load.formulas, timeout=limit, counterexamples=False)
         took = time.perf_counter() - start
         verdicts = [a.verdict for a in answers]
-        if all(v in (Verdict.UNSUPPORTED, Verdict.UNKNOWN) for v in verdicts):
+        if any(v in (Verdict.UNSUPPORTED, Verdict.UNKNOWN) for v in verdicts):
             return None, tuple(v.value for v in verdicts)
         if run:
             times.append(took)

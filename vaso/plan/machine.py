@@ -29,7 +29,7 @@ from pydantic_monty import (
 
 from vaso.plan.snapshot import KeyMaker
 
-TURN_SECONDS = 1.0
+TURN_SECONDS = 2.0
 MEMORY_BYTES = 16_000_000
 RECURSION_DEPTH = 400
 _POLICY: Any = {
@@ -305,7 +305,7 @@ def _pool() -> Monty:
     with _lock:
         pool = _pools.get(os.getpid())
         if pool is None:
-            pool = Monty(max_processes=16, request_timeout=10.0, checkout_timeout=60.0)
+            pool = Monty(max_processes=16, request_timeout=30.0, checkout_timeout=60.0)
             pool.__enter__()
             _pools.clear()
             _pools[os.getpid()] = pool
