@@ -5,6 +5,7 @@ import pytest
 from tests.plan.contracts import DRIVE, FLY, JACKAL_CODE
 from vaso.errors import LabellingError, PlanError, UnsupportedPlanError
 from vaso.plan import Budget, TransitionSystem, compile_plan
+from vaso.skill import Rule
 
 PEOPLE, OBSTACLE = "yolo_listener('people')", "yolo_listener('obstacle')"
 
@@ -250,7 +251,10 @@ def test_an_unbounded_counter_meets_the_budget():
         ("().__class__.__bases__[0].__subclasses__()\n", "AttributeError"),
         ("def f():\n    yield 1\nlist(f())\n", "yield"),
         ("class A(dict):\n    pass\n", "inheritance"),
-        ("import enum\nclass S(enum.Enum):\n    A = 1\nif S.A.value == 1:\n    forward()\n", "value"),
+        (
+            "import enum\nclass S(enum.Enum):\n    A = 1\nif S.A.value == 1:\n    forward()\n",
+            "value",
+        ),
     ],
 )
 def test_hostile_and_unsupported_plans_are_contained(source, word):
@@ -355,3 +359,43 @@ def test_objects_of_the_plan_do_not_reach_the_labelling_code():
     with pytest.raises(UnsupportedPlanError, match="object of a class") as caught:
         compile_plan("class A:\n    pass\nset_velocity(A(), 0.0)\n", DRIVE)
     assert caught.value.line == 3
+
+
+DISTANCES = """
+def north(plan):
+    return sum(v[0] for v in plan)
+def duration(plan):
+    return len(plan) - 1
+"""
+
+
+@pytest.mark.parametrize("end", ["plan", "for v in plan: set_velocity(v)"])
+def test_equal_set_points_count_each_time(end):
+    skill = FLY.model_copy(
+        update={
+            "labelling_code": FLY.labelling_code + DISTANCES,
+            "global_rules": (Rule(text="G(north < 10)"),),
+        }
+    )
+    plan = "plan = [(0.0, 0.0, -1.0)] + [(1.0, 0.0, 0.0)] * 20 + [(0.0, 0.0, 0.0)] * 5\n" + end
+    system = compiled(plan, skill)
+    assert system.cut is None
+    assert [s.labels["north"] for s in system.states][:4] == [0, 0, 1, 2]
+    assert system.states[-1].labels["north"] == 20
+
+
+def test_a_proposition_that_grows_after_the_end_is_not_closed():
+    skill = FLY.model_copy(
+        update={
+            "labelling_code": FLY.labelling_code + DISTANCES,
+            "global_rules": (Rule(text="G(duration < 1000)"),),
+        }
+    )
+    system = compiled("set_velocity((0.0, 0.0, 0.0))\n", skill)
+    assert system.cut is not None and "goes on changing" in system.cut.reason
+
+
+@pytest.mark.parametrize("wait", ["", "    time.sleep(1)\n"])
+def test_hovering_for_ever_closes(wait):
+    system = compiled(f"while True:\n    set_velocity((0.0, 0.0, 0.0))\n{wait}", FLY)
+    assert system.cut is None

@@ -81,6 +81,11 @@ class Config:
     @property
     def key(self) -> tuple[Hashable, ...]:
         """Identity: two configurations with equal keys behave alike and have equal labels."""
+        return (*self.present, self.history)
+
+    @property
+    def present(self) -> tuple[Hashable, ...]:
+        """The identity without the set-points of the past."""
         return (
             self.plan.key if self.plan else None,
             self.lab.key,
@@ -91,7 +96,6 @@ class Config:
             self.origin,
             self.api,
             self.world,
-            self.history,
             self.tick,
             self.track,
             self.moved,

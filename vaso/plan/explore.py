@@ -143,6 +143,7 @@ class _Exploration:
         )
         self.sensors: dict[str, Sensor] = {}
         self.index: dict[tuple[Hashable, ...], int] = {}
+        self.plateaus: dict[tuple[Hashable, ...], Config] = {}
         self.configs: list[Config] = []
         self.depths: list[int] = []
         self.states: list[State] = []
@@ -217,7 +218,7 @@ class _Exploration:
         config, depth = self.configs[number], self.depths[number] + 1
         while todo:
             reader = Reader(todo.pop())
-            after = self.stepper.step(config, reader)
+            after = self._level(config, self.stepper.step(config, reader))
             todo += reader.alternatives
             for name, domain in reader.domains.items():
                 self.sensors.setdefault(name, Sensor(name, tuple(domain)))
@@ -231,6 +232,21 @@ class _Exploration:
             if todo and self._spent():
                 return None
         return tuple(edges)
+
+    def _level(self, before: Config, after: Config) -> Config:
+        """Forget repetitions of a set-point that no longer change anything, so that loops close.
+
+        Where the same set-point has led from a configuration back to it, apart from the length of
+        the history, and no proposition changes with that length, the two are one.
+        """
+        if (before.issued, before.world) != (after.issued, after.world):
+            return after
+        base = self.session.histories.base(after.history)
+        self.plateaus.setdefault((*before.present, base), before)
+        first = self.plateaus.setdefault((*after.present, base), after)
+        if first.history == after.history or not self.labeller.steady(first):
+            return after
+        return replace(after, history=first.history)
 
     def _close(self, number: int) -> None:
         """Make an unexplored state a cut."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from typing import Any
 
 from vaso.errors import LabellingError
@@ -13,6 +14,9 @@ from vaso.plan.machine import Continuation
 from vaso.plan.trajectory import Histories
 from vaso.plan.transition_system import Case, Label, Sensor
 from vaso.platforms import Issued, Platform
+
+REPEATS = (1, 2, 3, 10, 100)
+"""How many more of the same set-point must leave the propositions as they are."""
 
 CHUNK = 100
 """Set-points that are labelled in one request, so that no request runs for long."""
@@ -156,6 +160,21 @@ class Labeller:
         if memo not in self._memo:
             self._memo[memo] = self._evaluate(function, at, here.history, clock)
         return self._memo[memo]
+
+    def steady(self, here: Config) -> bool:
+        """True when no proposition changes however often the set-point in force is repeated.
+
+        The labelling code cannot be asked for all repetitions; it is asked for ``REPEATS``.
+        """
+        functions = [f for f in self.values.values() if f.parameters]
+        longer, length = here.history, 0
+        for repeats in REPEATS if functions else ():
+            while length < repeats:
+                longer, length = self.histories.extend(longer, here.issued), length + 1
+            after = replace(here, history=longer)
+            if any(self._value(f, after) != self._value(f, here) for f in functions):
+                return False
+        return True
 
     def _idle(self, here: Config) -> Continuation:
         if here.turn is not Turn.LABELLING:

@@ -103,7 +103,10 @@ class Stepper:
         if here.waits:
             return self._hold(here, waits=here.waits - 1)
         if here.turn is Turn.END and here.settling >= SETTLING:
-            reason = "the last command goes on for ever and the platform does not come to rest"
+            reason = (
+                "the last command goes on for ever, and the platform does not come to rest or a "
+                "proposition goes on changing"
+            )
             return self._cut(reason, here.line, True, here, here.lab)
         if here.turn in (Turn.END, Turn.CUT):
             return self._hold(here, settling=here.settling + 1)
@@ -223,8 +226,7 @@ class Stepper:
 
     def _issue(self, here: Config, issued: Issued, **changes: Any) -> Config:
         world = self.platform.dynamics.step(here.world, issued)
-        same = world == here.world and issued == here.issued
-        history = here.history if same else self.histories.extend(here.history, issued)
+        history = self.histories.extend(here.history, issued)
         usual = {"tick": self._tick(here), "waits": 0, "moved": True, "note": ""}
         return replace(here, issued=issued, world=world, history=history, **{**usual, **changes})
 

@@ -17,8 +17,7 @@ Track: TypeAlias = tuple[tuple[Issued, int | None], ...]
 class Histories:
     """Set-point histories, numbered so that a configuration only carries an integer.
 
-    A history is the sequence of set-points so far, starting with the one at rest. A set-point that
-    repeats the one before and leaves the platform's state as it is does not lengthen the history.
+    A history is the sequence of set-points so far, one a period, starting with the one at rest.
 
     Args:
         keep: False for platforms and labelling code that do not look back; every history is 0 then.
@@ -28,6 +27,7 @@ class Histories:
         self._keep = keep
         self._nodes: list[tuple[int, Value]] = []
         self._index: dict[tuple[int, Value], int] = {}
+        self._bases: list[int] = []
         self.tracks: list[Track] = []
         self._known: dict[Track, int] = {}
 
@@ -38,6 +38,10 @@ class Histories:
     def extend(self, history: int, issued: Issued) -> int:
         """A history with one more set-point."""
         return self._number(history, issued)
+
+    def base(self, history: int) -> int:
+        """The history up to the first of the equal set-points that this one ends with."""
+        return self._bases[history] if self._keep else 0
 
     def points(self, history: int) -> list[Value]:
         """The set-points of a history, first to last."""
@@ -61,6 +65,8 @@ class Histories:
         if node not in self._index:
             self._index[node] = len(self._nodes)
             self._nodes.append(node)
+            repeats = parent >= 0 and self._nodes[parent][1] == node[1]
+            self._bases.append(self._bases[parent] if repeats else self._index[node])
         return self._index[node]
 
 
