@@ -5,7 +5,7 @@ from vaso.bench.verify import BASELINE, measure, workloads
 
 
 def test_engines_agree_on_the_workloads_and_ratios_refer_to_the_baseline():
-    reactive, hundred, _ = workloads()
+    reactive, _, hundred, _ = workloads()
     assert len(hundred.system.states) > 100
     for load in (reactive, hundred):
         rows = measure(load, repeats=1)
@@ -14,7 +14,7 @@ def test_engines_agree_on_the_workloads_and_ratios_refer_to_the_baseline():
         assert len(decided) >= 3
         assert {r.verdicts for r in decided} == {rows[0].verdicts}
         assert set(rows[0].verdicts) == {"pass"}
-    assert rows[-1].seconds is not None, "the lasso evaluator covers trajectories"
+    assert all(r.seconds is not None for r in rows), "the lasso evaluator covers trajectories"
 
 
 def test_the_machine_is_named():

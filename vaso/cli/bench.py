@@ -7,6 +7,7 @@ import json
 from typing import Annotated
 
 import typer
+from rich.box import SIMPLE
 from rich.table import Table
 
 from vaso.cli.common import JsonOption, console
@@ -40,7 +41,7 @@ def verify(
                 print(json.dumps(dataclasses.asdict(row)))
             continue
         title = f"{load.name}: {rows[0].states} states, {rows[0].rules} rules"
-        table = Table("engine", "all rules", "against baseline", "verdicts", title=title)
+        table = Table("engine", "all rules", "faster by", "verdicts", title=title, box=SIMPLE)
         for row in rows:
             table.add_row(
                 row.engine, _seconds(row.seconds), _ratio(row.ratio), _tally(row.verdicts)
