@@ -1,9 +1,12 @@
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from vaso.errors import FormulaError
 from vaso.ltl import compare, parse, value_of
+from vaso.ltl.numbers import truths
 
 
 @pytest.mark.parametrize(
@@ -47,3 +50,13 @@ def test_values_that_cannot_be_compared(text, step, message):
 
 def test_value_of():
     assert value_of(parse("a * (b - 1) < 0").left, {"a": 2, "b": 4}) == 6
+
+
+@given(
+    st.sampled_from(["x < 1", "x == 0.3", "1 <= x", "x + 0 > 2", "x != 0"]),
+    st.lists(st.floats(-3, 3, width=32)),
+)
+def test_many_steps_at_once_are_the_same_as_one_by_one(text, values):
+    comparison = parse(text)
+    steps = [{"x": value} for value in [0.1 + 0.2, 1.0000000001, 1, *values]]
+    assert truths(comparison, steps) == [compare(comparison, step) for step in steps]

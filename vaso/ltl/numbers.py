@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from vaso.errors import FormulaError
 from vaso.ltl.syntax import Arithmetic, Comparison, Number, Term, Variable
 from vaso.ltl.traverse import fold_term
 
-__all__ = ["DECIMALS", "compare", "value_of"]
+__all__ = ["DECIMALS", "compare", "truths", "value_of"]
 
 DECIMALS = 9
 """Decimals to which both sides of a comparison are rounded."""
@@ -48,6 +48,25 @@ def compare(comparison: Comparison, step: Mapping[str, bool | float]) -> bool:
     """
     left, right = (_finite(term, comparison, step) for term in (comparison.left, comparison.right))
     return _COMPARE[comparison.op](round(left, DECIMALS), round(right, DECIMALS))
+
+
+def truths(comparison: Comparison, steps: Sequence[Mapping[str, bool | float]]) -> list[bool]:
+    """Tell in which of many steps a comparison holds; the same as :func:`compare`, but quicker.
+
+    Args:
+        comparison: The comparison.
+        steps: For each step, the value of every proposition.
+
+    Raises:
+        FormulaError: As :func:`compare`.
+    """
+    left, right = comparison.left, comparison.right
+    if isinstance(left, Variable) and isinstance(right, Number):
+        values = [step.get(left.name) for step in steps]
+        if all(type(value) is float and math.isfinite(value) for value in values):
+            bound, holds = round(right.value, DECIMALS), _COMPARE[comparison.op]
+            return [holds(round(value, DECIMALS), bound) for value in values if value is not None]
+    return [compare(comparison, step) for step in steps]
 
 
 def value_of(term: Term, step: Mapping[str, bool | float]) -> float:

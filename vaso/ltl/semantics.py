@@ -21,7 +21,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
 from vaso.errors import FormulaError
-from vaso.ltl.numbers import compare
+from vaso.ltl.numbers import truths
 from vaso.ltl.syntax import Binary, Comparison, Constant, Formula, Proposition, Unary
 from vaso.ltl.traverse import fold, past_depth
 
@@ -63,7 +63,10 @@ def evaluate(formula: Formula, steps: Sequence[Step], loop_start: int) -> tuple[
                 return _UNARY[op](parts[0], start)
             case Binary(op, _, _):
                 return _BINARY[op](parts[0], parts[1], start)
-        values = [_atom(node, step) for step in steps]
+        if isinstance(node, Comparison):
+            values = truths(node, steps)
+        else:
+            values = [_atom(node, step) for step in steps]
         return [values[index] for index in order]
 
     return tuple(fold(formula, combine)[:count])
@@ -86,8 +89,6 @@ def _atom(formula: Formula, step: Step) -> bool:
             return value
         case Proposition(name):
             return _boolean(name, step)
-        case Comparison():
-            return compare(formula, step)
     raise AssertionError(f"not an atom: {formula!r}")
 
 

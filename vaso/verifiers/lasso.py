@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
 
 from vaso.errors import FormulaError
-from vaso.ltl import Formula
+from vaso.ltl import Formula, holds
 from vaso.plan.atoms import names_of
 from vaso.plan.transition_system import TransitionSystem
 from vaso.verdict import Verdict
 from vaso.verifiers.base import Answer, Lasso
 from vaso.verifiers.reduction import reduce
-from vaso.verifiers.runs import follow, violates
+from vaso.verifiers.runs import follow
 from vaso.verifiers.support import not_total
 
 __all__ = ["LassoVerifier"]
@@ -45,25 +46,33 @@ class LassoVerifier:
             return refused
         run = follow(system, (), ({},))
         assert run is not None  # without a limit, a run of a finite system closes
-        return [self._check(system, run, formula, counterexamples) for formula in formulas]
+        observed = {n for state, _ in run.run for n in system.states[state].observed}
+        return [self._check(system, run, observed, f, counterexamples) for f in formulas]
 
     def _check(
-        self, system: TransitionSystem, run: Lasso, formula: Formula, counterexamples: bool
+        self,
+        system: TransitionSystem,
+        run: Lasso,
+        observed: AbstractSet[str],
+        formula: Formula,
+        counterexamples: bool,
     ) -> Answer:
         started = time.perf_counter()
-        verdict, reason = _decide(system, run, formula)
+        verdict, reason = _decide(system, run, observed, formula)
         seconds = time.perf_counter() - started
         lasso = run if counterexamples and verdict is Verdict.FAIL else None
         return Answer(verdict, self.name, seconds, lasso, reason)
 
 
-def _decide(system: TransitionSystem, run: Lasso, formula: Formula) -> tuple[Verdict, str]:
-    names = names_of(formula)
-    if any(names & system.states[state].observed.keys() for state, _ in run.run):
+def _decide(
+    system: TransitionSystem, run: Lasso, observed: AbstractSet[str], formula: Formula
+) -> tuple[Verdict, str]:
+    if names_of(formula) & observed:
         return Verdict.UNSUPPORTED, _SENSORS
     try:
         if not system.is_deterministic and not reduce(system, [formula]).is_deterministic:
             return Verdict.UNSUPPORTED, _BRANCHING
-        return (Verdict.FAIL if violates(system, run, formula) else Verdict.PASS), ""
+        labels = [system.states[state].labels for state, _ in run.run]
+        return (Verdict.PASS if holds(formula, labels, run.loop_start) else Verdict.FAIL), ""
     except FormulaError as error:
         return Verdict.UNSUPPORTED, str(error)
