@@ -1,0 +1,5 @@
+"""``python -m vaso``: the command line."""
+
+from vaso.cli import main
+
+main()
