@@ -399,3 +399,104 @@ def test_a_proposition_that_grows_after_the_end_is_not_closed():
 def test_hovering_for_ever_closes(wait):
     system = compiled(f"while True:\n    set_velocity((0.0, 0.0, 0.0))\n{wait}", FLY)
     assert system.cut is None
+
+
+SETTING = DRIVE.model_copy(
+    update={"labelling_code": JACKAL_CODE.replace("linear=0.3, a", "linear=MAX_SPEED, a")}
+)
+
+
+@pytest.mark.parametrize("line", ["MAX_SPEED = -0.9", "MAX_SPEED: float = -0.9"])
+def test_a_plan_may_set_a_constant_of_the_labelling_code_at_its_start(line):
+    system = compiled(f"{line}\nforward()\n", SETTING)
+    assert system.states[1].command == "velocity_publisher(linear=-0.9, angular=0.0)"
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "MAX_SPEED = 0.9\nforward()\nMAX_SPEED = 0.1\nforward()\n",
+        "forward()\nMAX_SPEED = 0.9\nforward()\n",
+        "MAX_SPEED = 0.3 * 3\nforward()\n",
+        "MAX_SPEED += 0.6\nforward()\n",
+        "if people_observed():\n    MAX_SPEED = 0.9\nforward()\n",
+        "for MAX_SPEED in (0.1, 0.9):\n    forward()\n",
+        "def go():\n    global MAX_SPEED\n    MAX_SPEED = 0.9\ngo()\nforward()\n",
+    ],
+)
+def test_a_constant_that_changes_while_the_plan_runs_is_not_supported(source):
+    with pytest.raises(UnsupportedPlanError, match="the plan changes 'MAX_SPEED'"):
+        compile_plan(source, SETTING)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "class R:\n    def __init__(self):\n        forward()\ndef other():\n    backward()\nr = R()\n",
+        "class R:\n    def go(self):\n        forward()\ndef other():\n    backward()\nr = R()\nx = r.go()\n",
+        "def other():\n    backward()\nactions = {'go': forward}\nx = actions['go']()\n",
+        "def other():\n    backward()\ngo = lambda: forward()\nx = go()\n",
+        "class C:\n    def __init__(self):\n        self.n = 1\nc = C()\ndef main():\n    forward()\n",
+        "side = math.ceil(2.5)\ngo = lambda: forward()\ndef main():\n    go()\n",
+    ],
+)  # fmt: skip
+def test_an_entry_function_is_called_only_where_the_top_level_does_nothing(source):
+    assert run(compiled(source), *[False] * 4) == ["", "forward()", "forward()", "forward()"]
+
+
+def test_a_clock_that_the_text_hides_is_a_clock():
+    source = "now = getattr(time, 'ti' + 'me')\nstart = now()\nwhile now() - start < 0.25:\n    forward()\nstop()\n"
+    assert run(compiled(source), *[False] * 5) == ["", *["forward()"] * 3, "stop()"]
+
+
+def test_exceptions_that_the_sandbox_cannot_make_do_not_end_a_plan():
+    system = compiled("try:\n    raise ValueError(3)\nexcept ValueError:\n    forward()\n")
+    assert system.cut is not None and not system.cut.supported
+
+
+def test_a_state_too_large_to_store_is_a_bound_not_an_error():
+    system = compiled("x = 'a' * 10_000_000\nforward()\n")
+    assert system.cut is not None and "MemoryError" in system.cut.reason
+
+
+def test_numbers_beyond_floats_are_bad_commands():
+    with pytest.raises(PlanError, match="must be finite"):
+        compile_plan("velocity_publisher(10**400, 0)\n", DRIVE)
+
+
+def test_the_shape_of_calendar_times_is_no_obstacle():
+    assert run(compiled("t = time.localtime()\nforward()\n"), *[False] * 2)[-1] == "forward()"
+
+
+def _with(code: str):
+    return DRIVE.model_copy(update={"labelling_code": JACKAL_CODE + code})
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("def act():\n    while not people_observed():\n        pass\n", "reads on and on"),
+        ("def act():\n    while True:\n        pass\n", "'act' fails with TimeoutError"),
+        ("def act():\n    forward()\n    return [0] * 10**8\n", "'act' fails with MemoryError"),
+        ("def act():\n    raise ValueError(3)\n", "'act' fails with RuntimeError"),
+    ],
+)
+def test_labelling_code_that_breaks_down_is_not_an_exception_of_the_plan(code, message):
+    with pytest.raises(LabellingError, match=message):
+        compile_plan("try:\n    act()\nexcept Exception:\n    stop()\n", _with(code))
+
+
+def test_a_proposition_too_large_for_a_float_is_an_error():
+    skill = _with("def size():\n    return 10**400\n")
+    skill = skill.model_copy(update={"global_rules": (Rule(text="G(size > 0)"),)})
+    with pytest.raises(LabellingError, match="neither a truth value nor a number"):
+        compile_plan("forward()\n", skill)
+
+
+@pytest.mark.parametrize("source", ["robot.go()\n", "x = make()\nforward()\n"])
+def test_objects_of_the_labelling_code_do_not_reach_the_plan(source):
+    code = (
+        "class R:\n    def go(self):\n        forward()\nrobot = R()\ndef make():\n    return R()\n"
+    )
+    with pytest.raises(UnsupportedPlanError, match="object of a class"):
+        compile_plan(source, _with(code))

@@ -15,6 +15,10 @@ EPOCH = 1024.0
 """The virtual clock's first value; not 0, because plans test ``if not start_time``."""
 
 
+class ClockReadError(Exception):
+    """The time is read where the text did not show it; states must be told apart by time then."""
+
+
 class Turn(StrEnum):
     """Who acts next."""
 

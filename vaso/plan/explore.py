@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vaso.ltl import Formula, propositions, variables
-from vaso.plan.config import Config, Origin, Reader, Turn
+from vaso.plan.config import ClockReadError, Config, Origin, Reader, Turn
 from vaso.plan.labelling import Labelling
 from vaso.plan.labels import Labeller
 from vaso.plan.machine import Machine
@@ -73,7 +73,11 @@ def compile_plan(
     rules = [r.formula for r in (*skill.rules, *skill.assumptions)]
     needed = {n for f in (*rules, *formulas) for n in (*propositions(f), *variables(f))}
     with _Session(plan, skill, robot, needed) as session:
-        return _Exploration(session, budget or Budget()).run()
+        try:
+            return _Exploration(session, budget or Budget()).run()
+        except ClockReadError:
+            session.clock = session.labelling.uses_clock = True
+            return _Exploration(session, budget or Budget()).run()
 
 
 class _Session:
@@ -95,6 +99,7 @@ class _Session:
             name=plan.name,
             known=known,
             constants=draft.constants,
+            settings=draft.settings,
             trajectory=robot.trajectory is not None,
         )
         self.labelling = Labelling(

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from vaso.errors import LabellingError, PlanError
+from vaso.plan.config import ClockReadError
 from vaso.plan.machine import Call, Continuation, Lookup, Machine, Raised, Throw
 from vaso.plan.source import PRELUDE, locate, parse_python, uses_clock, without_aliases
 from vaso.plan.transition_system import Scalar
@@ -23,6 +24,9 @@ ROWS = "__vaso_rows__"
 """Request that evaluates proposition functions on every prefix of a trajectory."""
 
 CODE_FEED = 1
+READS_PER_REQUEST = 1_000
+"""Reads of sensors and clock that one request may make before a period passes."""
+
 _SERVE = "while True:\n    __vaso_turn__()\n"
 _TURN = f"""
 def __vaso_turn__():
@@ -143,6 +147,7 @@ class Labelling:
             n.name: _function(n, platform) for n in tree.body if isinstance(n, ast.FunctionDef)
         }
         self.constants = _constants(tree)
+        self.settings = {n for n in self.constants if n in _read_by_functions(tree)}
         self.uses_clock = uses_clock(tree)
         self._machine = Machine(
             [PRELUDE, without_aliases(code, tree), self._setup(rebinds or {}), _SERVE],
@@ -210,7 +215,7 @@ class Labelling:
         return outcome.at
 
     def _drive(self, at: Continuation, ask: Ask, clock: float) -> Outcome:
-        while True:
+        for _ in range(READS_PER_REQUEST):
             event = at.event
             if isinstance(event, Raised):
                 return self._threw(event, at)
@@ -224,6 +229,11 @@ class Labelling:
             if not isinstance(step, Continuation):
                 return step
             at = step
+        line = at.event.line if isinstance(at.event, Call | Lookup) else None
+        message = "the code reads on and on without sending a command or sleeping"
+        error = self.error(message, line)
+        error.hint = "let a loop that waits call time.sleep, or wait in the plan"
+        raise error
 
     def _threw(self, event: Raised, at: Continuation) -> Threw:
         if at.blob is None:
@@ -248,6 +258,8 @@ class Labelling:
         except PlanError as error:
             raise self.error(error.message, event.line) from error
         if event.name == "time.time":
+            if not self.uses_clock:
+                raise ClockReadError
             return self._machine.advance(at, clock)
         raise self.error(f"the function '{event.name}' is not defined", event.line)
 
@@ -286,6 +298,13 @@ def _constants(tree: ast.Module) -> dict[str, bool]:
                 if isinstance(name, ast.Name) and not _alias(node):
                     found[name.id] = name.id in rebound
     return found
+
+
+def _read_by_functions(tree: ast.Module) -> set[str]:
+    """Names that the functions of some code read."""
+    functions = [n for n in tree.body if isinstance(n, (ast.FunctionDef, ast.ClassDef))]
+    inner = [n for f in functions for n in ast.walk(f) if isinstance(n, ast.Name)]
+    return {n.id for n in inner if isinstance(n.ctx, ast.Load)}
 
 
 def _alias(node: ast.stmt) -> bool:

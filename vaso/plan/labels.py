@@ -104,7 +104,7 @@ class Labeller:
             return self.labelling.error(message, outcome.line or function.line)
         value = outcome.value if isinstance(outcome, Returned) else None
         return self.labelling.error(
-            f"'{function.name}' returns {value!r}, which is neither a truth value nor a number",
+            f"'{function.name}' returns {_short(value)}: neither a truth value nor a number",
             function.line,
         )
 
@@ -252,9 +252,14 @@ class Labeller:
             return False
         for history, row in zip(histories, outcome.value, strict=True):
             for (name, _), value in zip(calls, row, strict=True):
-                if isinstance(value, bool | int | float) and math.isfinite(value):
+                if _finite(value):
                     self._memo[(at.key, name, history, EPOCH)] = _rounded(value)
         return True
+
+
+def _short(value: object, width: int = 60) -> str:
+    text = repr(value)
+    return text if len(text) <= width else f"{text[:width]}…"
 
 
 def _is_none(outcome: Any) -> bool:
@@ -262,11 +267,14 @@ def _is_none(outcome: Any) -> bool:
 
 
 def _is_label(outcome: Any) -> bool:
-    return (
-        isinstance(outcome, Returned)
-        and isinstance(outcome.value, (bool, int, float))
-        and math.isfinite(outcome.value)
-    )
+    return isinstance(outcome, Returned) and _finite(outcome.value)
+
+
+def _finite(value: object) -> bool:
+    try:
+        return isinstance(value, bool | int | float) and math.isfinite(value)
+    except OverflowError:
+        return False
 
 
 def _rounded(value: Label) -> Label:

@@ -173,9 +173,8 @@ class Machine:
         return self._memo[memo]
 
     def _resume(self, at: Continuation, reply: Any) -> Continuation:
-        snapshot = self._restore(at)
+        result = self._guard(lambda: _answer(self._restore(at), reply))
         self._live = None
-        result = self._guard(lambda: _answer(snapshot, reply))
         if isinstance(result, Raised):
             return self._recovered(result) if self._recovery else self._ended(result)
         return self._stopped(result)
@@ -189,7 +188,9 @@ class Machine:
     def _stopped(self, snapshot: Any) -> Continuation:
         if isinstance(snapshot, MontyComplete):
             return self._ended(Finished())
-        blob = snapshot.dump()
+        blob = self._guard(snapshot.dump)
+        if isinstance(blob, Raised):
+            return self._ended(blob)
         key = self._key(blob)
         self._live = (key, snapshot)
         return Continuation(key, self._event(snapshot), blob)
@@ -255,6 +256,13 @@ class Machine:
             frames = error.traceback() if hasattr(error, "traceback") else []
             lines = tuple((_feed(f.filename), f.line) for f in frames)
             return Raised(_error_name(error, inner), str(inner), lines)
+
+
+def is_breakdown(error: str, message: str) -> bool:
+    """True for an error of the sandbox itself: a limit, or something it does not support."""
+    limits = ("MemoryError", "RecursionError", "SandboxCrash", "NotImplementedError")
+    timed_out = error == "TimeoutError" and "time" in message
+    return error in limits or timed_out or message.startswith("Internal error")
 
 
 def _error_name(error: MontyError, inner: BaseException) -> str:

@@ -135,7 +135,9 @@ class _Traversal:
         ]
         return [shape, unseen]
 
-    def reference(self, slot: int) -> list[Any]:
+    def reference(self, slot: int | None) -> list[Any]:
+        if slot is None:
+            raise _UnknownShape
         if slot not in self.number:
             self.number[slot] = len(self.number)
             self.queue.append(slot)

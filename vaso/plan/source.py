@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from vaso.errors import PlanError, UnsupportedPlanError
 from vaso.plan.rewrite import (
     MARKER,
-    VALUE,
     alias_edits,
     apply_edits,
     collect_call,
@@ -27,6 +26,7 @@ from vaso.plan.rewrite import (
     last_value_edits,
     mark_edits,
 )
+from vaso.plan.toplevel import TopLevel
 
 MODULES = frozenset(
     {
@@ -64,6 +64,7 @@ def prepare(
     name: str = "plan",
     known: Collection[str],
     constants: Collection[str] = (),
+    settings: Collection[str] = (),
     trajectory: bool = False,
 ) -> Program:
     """Check a plan and make it ready for the sandbox.
@@ -73,6 +74,7 @@ def prepare(
         name: How messages call it.
         known: Functions that the plan may call without defining them.
         constants: Module-level constants of the labelling code.
+        settings: Those of them that its functions read.
         trajectory: True when the plan may leave a list of set-points instead of calling commands.
 
     Raises:
@@ -85,7 +87,8 @@ def prepare(
     edits = list(alias_edits(tree))
     edits += enum_edits(tree)
     edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
-    tail = _entry_call(tree, name, known)
+    top = TopLevel(tree, name, known)
+    tail = top.entry_call()
     if trajectory:
         edits += [*mark_edits(tree), *last_value_edits(tree, tail)]
         tail += collect_call(tree)
@@ -94,7 +97,7 @@ def prepare(
     return Program(
         prelude=prelude,
         text=f"{body}\n{tail}",
-        rebinds=_rebinds(tree, constants),
+        rebinds=top.settings(settings),
         uses_clock=uses_clock(tree),
     )
 
@@ -117,7 +120,9 @@ def parse_python(source: str, name: str, error: type[PlanError] = PlanError) -> 
             column=wrong.offset,
         ) from wrong
     except (ValueError, RecursionError, MemoryError) as wrong:
-        raise error(f"not valid Python: {wrong or 'nested too deeply'}", source=name) from wrong
+        raise error(
+            f"not valid Python: {str(wrong) or 'nested too deeply'}", source=name
+        ) from wrong
 
 
 def locate(source: str, message: str, line: int | None) -> int | None:
@@ -237,56 +242,3 @@ def _bound(tree: ast.AST) -> set[str]:
         elif isinstance(node, ast.ExceptHandler | ast.MatchAs | ast.MatchStar) and node.name:
             names.add(node.name)
     return names
-
-
-# --- entry point -------------------------------------------------------------------------------
-
-
-def _entry_call(tree: ast.Module, name: str, known: Collection[str]) -> str:
-    """A call of the entry function, for a module that only defines functions."""
-    functions = [n for n in tree.body if isinstance(n, ast.FunctionDef)]
-    rest = [n for n in tree.body if not isinstance(n, (ast.FunctionDef, ast.ClassDef))]
-    if not functions or any(_acts(n, {f.name for f in functions} | set(known)) for n in rest):
-        return ""
-    if any(_builds_list(n) for n in rest):
-        return ""
-    entry = next((f for f in reversed(functions) if f.name in _ENTRIES), functions[-1])
-    needed = len(entry.args.posonlyargs + entry.args.args) - len(entry.args.defaults)
-    if needed > 0 or None in entry.args.kw_defaults:
-        raise PlanError(
-            f"the plan's entry function '{entry.name}' needs arguments",
-            source=name,
-            line=entry.lineno,
-            expected="an entry function whose parameters all have defaults, or a script",
-        )
-    return f"{VALUE} = {entry.name}()\n"
-
-
-_ENTRIES = ("main", "plan", "run", "execute", "execute_plan", "run_plan")
-
-
-def _acts(node: ast.stmt, functions: Collection[str]) -> bool:
-    """True for a top-level statement that does something: calls a function, loops, branches."""
-    if isinstance(node, (ast.For, ast.While, ast.If, ast.Try, ast.With, ast.Match)):
-        return True
-    return any(_name(c) in functions for c in _calls(node))
-
-
-def _builds_list(node: ast.stmt) -> bool:
-    if isinstance(node, ast.AugAssign):
-        return True
-    value = getattr(node, "value", None)
-    if isinstance(node, (ast.Assign, ast.AnnAssign)):
-        return isinstance(value, (ast.List, ast.BinOp, ast.ListComp))
-    return isinstance(node, ast.Expr) and isinstance(value, (ast.Call, ast.List, ast.Name))
-
-
-def _rebinds(tree: ast.Module, constants: Collection[str]) -> dict[str, object]:
-    """Constants of the labelling code that the plan sets at its top level, by literal value."""
-    found: dict[str, object] = {}
-    for node in tree.body:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            name = node.targets[0].id
-            if name in constants and isinstance(node.value, ast.Constant):
-                found[name] = node.value.value
-    return found

@@ -13,9 +13,19 @@ from typing import Any, TypeVar
 from pydantic_monty import MontyClassProxy
 
 from vaso.errors import PlanError, UnsupportedPlanError
-from vaso.plan.config import EPOCH, Config, Origin, Reader, Turn
+from vaso.plan.config import EPOCH, ClockReadError, Config, Origin, Reader, Turn
 from vaso.plan.labelling import Commanded, Labelling, Outcome, Returned, Slept, Threw
-from vaso.plan.machine import Call, Continuation, Finished, Lookup, Machine, Raised, Stub, Throw
+from vaso.plan.machine import (
+    Call,
+    Continuation,
+    Finished,
+    Lookup,
+    Machine,
+    Raised,
+    Stub,
+    Throw,
+    is_breakdown,
+)
 from vaso.plan.rewrite import FOUND
 from vaso.plan.source import locate
 from vaso.plan.trajectory import Histories, choose_track
@@ -185,6 +195,8 @@ class Stepper:
                 here, plan=at, lab=lab, turn=Turn.REPLY, reply=None, waits=periods - 1
             )
         if event.name == "time.time":
+            if not self.clock:
+                raise ClockReadError
             return self.machine.advance(at, self._now(here)), lab
         if event.name == FOUND:
             return self._fly(event, at, lab, here)
@@ -196,7 +208,7 @@ class Stepper:
             origin = Origin.API if call.api in self.actions else Origin.HELPER
             return self._issue(
                 here, outcome.issued, plan=call.plan, api=call.api, call=call.text, line=call.line,
-                origin=origin, **self._finish(outcome, here),
+                origin=origin, **self._finish(outcome, call, here),
             )  # fmt: skip
         if isinstance(outcome, Slept):
             return self._hold(
@@ -207,19 +219,28 @@ class Stepper:
 
     def _answered(self, outcome: Outcome, call: _Pending) -> tuple[Continuation, Continuation]:
         """Hand the labelling code's answer, or its exception, to the plan."""
-        reply = outcome.value if isinstance(outcome, Returned) else _throw(outcome)
-        return self.machine.advance(call.plan, reply), outcome.at
+        return self.machine.advance(call.plan, self._reply(outcome, call)), outcome.at
 
-    def _finish(self, outcome: Commanded, here: Config) -> dict[str, Any]:
+    def _reply(self, outcome: Outcome, call: _Pending) -> Any:
+        """What the plan gets from a function of the labelling code."""
+        if isinstance(outcome, Returned):
+            if isinstance(outcome.value, MontyClassProxy):
+                raise self._no_objects(f"'{call.api}' returns an object of a class", call.line)
+            return outcome.value
+        assert isinstance(outcome, Threw)
+        if is_breakdown(outcome.error, outcome.message):
+            message = f"'{call.api}' fails with {outcome.error}: {outcome.message}"
+            raise self.labelling.error(message, outcome.line)
+        return Throw(outcome.error, outcome.message)
+
+    def _finish(self, outcome: Commanded, call: _Pending, here: Config) -> dict[str, Any]:
         """What remains after a command: usually the function just returns to the plan."""
         try:
             end = self.labelling.resume(outcome.at, _later, self._now(here, 1))
         except _LaterError:
             end = None
-        if isinstance(end, Returned):
-            return {"turn": Turn.REPLY, "reply": end.value, "lab": end.at}
-        if isinstance(end, Threw):
-            return {"turn": Turn.REPLY, "reply": _throw(end), "lab": end.at}
+        if isinstance(end, (Returned, Threw)):
+            return {"turn": Turn.REPLY, "reply": self._reply(end, call), "lab": end.at}
         return {"turn": Turn.LABELLING, "reply": None, "lab": outcome.at}
 
     # --- what a period does --------------------------------------------------------------------
@@ -278,9 +299,11 @@ class Stepper:
             outcome = self.labelling.request(
                 lab, f"={event.name}", (), {}, reader.ask, self._now(here)
             )
-            return (
-                outcome.value if isinstance(outcome, Returned) else Throw("NameError", event.name)
-            )
+            if not isinstance(outcome, Returned):
+                return Throw("NameError", event.name)
+            if isinstance(outcome.value, MontyClassProxy):
+                raise self._no_objects(f"'{event.name}' is an object of a class", event.line)
+            return outcome.value
         known = self.platform.sensor(event.name) or self.platform.command(event.name)
         if known or event.name in self.labelling.functions:
             return Stub(event.name)
@@ -294,7 +317,7 @@ class Stepper:
         if event.error == "TimeoutError":
             what = f"the plan computes for longer than allowed without a command ({event.message})"
             return self._cut(what, line, True, here, lab)
-        if event.error in _BROKEN:
+        if event.error in _BROKEN or is_breakdown(event.error, event.message):
             return self._cut(what, line, False, here, lab)
         at = f"line {line}: " if line else ""
         self.warnings[f"{at}{what}; the last command stays in force"] = None
@@ -318,12 +341,17 @@ class Stepper:
 
     def _refuse_objects(self, event: Call) -> None:
         if any(isinstance(a, MontyClassProxy) for a in (*event.args, *event.kwargs.values())):
-            raise UnsupportedPlanError(
-                f"'{event.name}' is called with an object of a class of the plan",
-                source=self.name,
-                line=event.line,
-                expected="numbers, texts, lists and dictionaries",
+            raise self._no_objects(
+                f"'{event.name}' is called with an object of a class", event.line
             )
+
+    def _no_objects(self, what: str, line: int | None) -> UnsupportedPlanError:
+        return UnsupportedPlanError(
+            f"{what}; objects do not pass between plan and labelling code",
+            source=self.name,
+            line=line,
+            expected="numbers, texts, lists and dictionaries",
+        )
 
     def _unknown(self, event: Call) -> PlanError:
         if event.is_os:
@@ -343,10 +371,6 @@ class Stepper:
 
     def _tick(self, here: Config) -> int:
         return here.tick + 1 if self.clock else 0
-
-
-def _throw(outcome: Any) -> Throw:
-    return Throw(outcome.error, outcome.message)
 
 
 def _show(event: Call) -> str:

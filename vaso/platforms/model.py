@@ -237,9 +237,13 @@ class Platform(BaseModel):
 def _number(value: Any, what: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise PlanError(f"{what} must be a number, not {value!r}")
-    if not math.isfinite(value):
-        raise PlanError(f"{what} must be finite, not {value!r}")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise PlanError(f"{what} must be finite, not {number!r}")
+    return number
 
 
 def _vector(value: Any, parameter: Parameter, command: str) -> tuple[float, ...]:
