@@ -500,3 +500,19 @@ def test_objects_of_the_labelling_code_do_not_reach_the_plan(source):
     )
     with pytest.raises(UnsupportedPlanError, match="object of a class"):
         compile_plan(source, _with(code))
+
+
+def test_a_plan_may_bring_its_own_copy_of_the_labelling_code():
+    source = """
+CURRENT_SPEED = 0.0
+def set_velocity(linear, angular):
+    global CURRENT_SPEED
+    CURRENT_SPEED = abs(linear)
+    velocity_publisher(linear=linear, angular=angular)
+def forward():
+    set_velocity(0.6, 0.0)
+forward()
+"""
+    system = compiled(source)
+    assert system.states[1].labels["speed"] == 0.6
+    assert {"forward"} == actions(system, 1)

@@ -27,6 +27,7 @@ class TopLevel:
         self._body = tree.body
         self._tree = tree
         self._name = name
+        self._known = known
         self._functions = [n for n in tree.body if isinstance(n, ast.FunctionDef)]
         self._classes = [n for n in tree.body if isinstance(n, ast.ClassDef)]
         variables = {name for s in tree.body for name in _stored(s)}
@@ -68,15 +69,27 @@ class TopLevel:
         """
         found: dict[str, object] = {}
         started = False
+        shared = set(constants) - self._own_variables()
         for statement in self._body:
             for line, name in _bindings(statement):
-                if name in constants:
+                if name in shared:
                     value = _setting(statement)
                     if started or name in found or value is None:
                         raise self._unsettled(name, line)
                     found[name] = ast.literal_eval(value)
             started = started or self._acts(statement)
         return found
+
+    def _own_variables(self) -> set[str]:
+        """Variables of a plan that brings its own version of the skill's functions.
+
+        Models like to copy the labelling code into the plan. What such functions change is the
+        plan's, and the labelling code does not see it.
+        """
+        if not any(f.name in self._known for f in self._functions):
+            return set()
+        changed = [n for f in self._functions for n in ast.walk(f) if isinstance(n, ast.Global)]
+        return {name for statement in changed for name in statement.names}
 
     def _unsettled(self, name: str, line: int) -> UnsupportedPlanError:
         return UnsupportedPlanError(
