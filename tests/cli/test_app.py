@@ -73,6 +73,14 @@ def test_a_reader_that_goes_away_is_not_an_error():
     assert found.stderr == ""
 
 
+@pytest.mark.parametrize(("redirection", "code"), [(">&-", 0), (">/dev/full", 2)])
+def test_an_output_that_cannot_be_written_is_not_an_error_of_vaso(redirection, code):
+    command = f"{sys.executable} -c 'from vaso.cli import main; main()' skills {redirection}"
+    found = subprocess.run(["bash", "-c", command], capture_output=True, text=True, timeout=60)
+    assert found.returncode == code
+    assert "error in VASO itself" not in found.stderr and "Traceback" not in found.stderr
+
+
 def test_a_terminal_that_lacks_the_characters():
     code = "from vaso.cli import main; main()"
     env = {"PYTHONIOENCODING": "ascii", "PATH": "/usr/bin:/bin"}

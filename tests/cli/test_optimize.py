@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import pytest
 
@@ -56,6 +57,9 @@ def test_a_tasks_file(vaso, tmp_path):
         ["--optimizer", "magic"],
         ["--planner", "nobody"],
         ["--tasks", "none.yaml"],
+        ["--tasks", "none.txt"],
+        ["--tasks", __file__],
+        ["--tasks", str(Path(__file__).parent)],
         ["--optimizer", "loop"],
         ["--level", "shout"],
     ],

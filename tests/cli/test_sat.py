@@ -43,6 +43,14 @@ def test_missing_file_and_nothing_to_do(vaso, tmp_path):
     assert vaso("sat").code == 2
 
 
+@pytest.mark.parametrize("options", [[], ["--together"]])
+def test_a_file_without_formulas_holds_nothing(vaso, tmp_path, options):
+    file = tmp_path / "empty.ltl"
+    file.write_text("# nothing yet\n")
+    found = vaso("sat", "--file", file, *options)
+    assert found.code == 2 and "no formula" in found.err
+
+
 def test_standard_input(vaso, monkeypatch):
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b"F p\np & !p\n")))
     assert [o["sat"] for o in vaso("sat", "--json", "--file", "-").lines] == [True, False]

@@ -7,12 +7,14 @@ supported, 70 an error in VASO itself.
 from __future__ import annotations
 
 import contextlib
+import errno
 import json
 import os
 import sys
 
 from vaso.errors import VasoError
 
+_OUTPUT_ERRORS = (errno.ENOSPC, errno.EIO, errno.EDQUOT)
 HELP_WANTED = "this is an error in VASO itself, not in your input; please report it"
 
 
@@ -31,6 +33,8 @@ def run(arguments: list[str]) -> int:
         The exit code. Nothing is raised: an error of VASO is a message on standard error.
     """
     debug = "--debug" in arguments
+    if sys.stdout is None or sys.stderr is None:
+        _replace_closed_streams()
     _forgive_encoding()
     try:
         return _call([a for a in arguments if a != "--debug"])
@@ -42,6 +46,12 @@ def run(arguments: list[str]) -> int:
     except BrokenPipeError:
         _silence_output()
         return 141
+    except OSError as error:
+        if error.errno not in _OUTPUT_ERRORS:
+            return _internal(error, debug=debug)
+        print(f"vaso: the output cannot be written: {error.strerror}", file=sys.stderr)
+        _silence_output()
+        return 2
     except Exception as error:
         return _internal(error, debug=debug)
 
@@ -84,6 +94,12 @@ def _traceback(error: Exception) -> None:
     import traceback
 
     traceback.print_exception(error, file=sys.stderr)
+
+
+def _replace_closed_streams() -> None:
+    """Write to nowhere where the caller has closed a standard stream."""
+    sys.stdout = sys.stdout or open(os.devnull, "w")  # noqa: SIM115 (lives as long as the process)
+    sys.stderr = sys.stderr or open(os.devnull, "w")  # noqa: SIM115
 
 
 def _forgive_encoding() -> None:

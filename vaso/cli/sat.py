@@ -44,11 +44,13 @@ def sat(
     texts = _texts(formulas or [], file)
     wants_core = not as_json if core is None else core
     seen: set[ExitCode] = set()
-    for group in [list(texts)] if together else ([t] for t in texts):
+    for group in filter(None, [list(texts)] if together else ([t] for t in texts)):
         answer = decide(group, timeout=timeout, core=wants_core)
         seen.add(_code(answer))
         _print(answer, as_json)
     order = (ExitCode.BAD_INPUT, ExitCode.REFUTED, ExitCode.UNKNOWN)
+    if not seen:
+        raise _nothing()
     leave(next((c for c in order if c in seen), ExitCode.HOLDS))
 
 
@@ -94,14 +96,18 @@ def _conjuncts(formula: Formula) -> Iterator[Formula]:
 
 def _texts(formulas: list[str], file: str | None) -> Iterator[str]:
     if not formulas and file is None:
-        raise FormulaError(
-            "there is no formula to decide",
-            expected="formulas, or --file with one formula a line",
-            hint='for example: vaso sat "G(a -> X b)" "F a & G !a"',
-        )
+        raise _nothing()
     yield from formulas
     if file is not None:
         yield from (t for t in map(str.strip, _lines(file)) if t and not t.startswith(COMMENT))
+
+
+def _nothing() -> FormulaError:
+    return FormulaError(
+        "there is no formula to decide",
+        expected="formulas, or --file with one formula a line",
+        hint='for example: vaso sat "G(a -> X b)" "F a & G !a"',
+    )
 
 
 def _lines(file: str) -> Iterator[str]:

@@ -23,6 +23,8 @@ from vaso.optimizers.store import RunStore
 from vaso.skill import ParameterName, Skill
 from vaso.skill_file import load_skill, load_tasks
 
+TASK_FILES = (".yaml", ".yml", ".txt")
+
 
 def optimize(
     skill: Skill | str | Path,
@@ -96,9 +98,24 @@ def _load(skill: str | Path) -> Skill:
 def _tasks(skill: Skill, tasks: Iterable[str] | str | Path | None) -> list[str]:
     if tasks is None:
         return list(load_tasks(skill).seen)
-    if isinstance(tasks, (str, Path)) and Path(tasks).suffix in (".yaml", ".yml"):
-        return list(load_tasks(tasks).seen)
-    return [tasks] if isinstance(tasks, str) else [str(t) for t in tasks]  # type: ignore[union-attr]
+    if isinstance(tasks, Path) or (isinstance(tasks, str) and _is_file(tasks)):
+        path = Path(tasks)
+        if path.suffix not in TASK_FILES:
+            raise OptimizerError(
+                "this is not a tasks file",
+                source=str(path),
+                expected=f"a file that ends in {', '.join(TASK_FILES)}, or the text of one task",
+            )
+        return list(load_tasks(path).seen)
+    return [tasks] if isinstance(tasks, str) else [str(t) for t in tasks]
+
+
+def _is_file(text: str) -> bool:
+    """True for text that names a file: by its ending, or because it is there."""
+    try:
+        return Path(text).suffix in TASK_FILES or Path(text).exists()
+    except (OSError, ValueError):
+        return False
 
 
 def _trainable(feasible: bool | None) -> tuple[ParameterName, ...]:
