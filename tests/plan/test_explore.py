@@ -516,3 +516,20 @@ forward()
     system = compiled(source)
     assert system.states[1].labels["speed"] == 0.6
     assert {"forward"} == actions(system, 1)
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "any(forward() or people_observed() for _ in range(4))\n",
+        "def go():\n    forward()\n    return True\nprint(1)\nany(go() for _ in range(4))\n",
+    ],
+)
+def test_generator_expressions_that_act_are_refused(source):
+    with pytest.raises(UnsupportedPlanError, match="generator expression"):
+        compile_plan(source, DRIVE)
+
+
+def test_generator_expressions_that_only_look_are_fine():
+    source = "while True:\n    if any(yolo_listener(n) for n in ('people', 'obstacle')) or any(f() for f in [people_observed]):\n        stop()\n    else:\n        forward()\n"
+    assert compiled(source).cut is None

@@ -100,6 +100,7 @@ class _Session:
             known=known,
             constants=draft.constants,
             settings=draft.settings,
+            acting=draft.acting | {c.name for c in robot.commands},
             trajectory=robot.trajectory is not None,
         )
         self.labelling = Labelling(

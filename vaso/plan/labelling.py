@@ -148,6 +148,7 @@ class Labelling:
         }
         self.constants = _constants(tree)
         self.settings = {n for n in self.constants if n in _read_by_functions(tree)}
+        self.acting = _acting(tree, {c.name for c in platform.commands})
         self.uses_clock = uses_clock(tree)
         self._machine = Machine(
             [PRELUDE, without_aliases(code, tree), self._setup(rebinds or {}), _SERVE],
@@ -297,6 +298,16 @@ def _constants(tree: ast.Module) -> dict[str, bool]:
             for name in ast.walk(target):
                 if isinstance(name, ast.Name) and not _alias(node):
                     found[name.id] = name.id in rebound
+    return found
+
+
+def _acting(tree: ast.Module, commands: set[str]) -> set[str]:
+    """Functions that may send a command, by themselves or through another one."""
+    functions = [n for n in tree.body if isinstance(n, ast.FunctionDef)]
+    names = {f.name: {n.id for n in ast.walk(f) if isinstance(n, ast.Name)} for f in functions}
+    found: set[str] = set()
+    while more := {f for f, used in names.items() if used & (commands | found)} - found:
+        found |= more
     return found
 
 

@@ -65,6 +65,7 @@ def prepare(
     known: Collection[str],
     constants: Collection[str] = (),
     settings: Collection[str] = (),
+    acting: Collection[str] = (),
     trajectory: bool = False,
 ) -> Program:
     """Check a plan and make it ready for the sandbox.
@@ -75,6 +76,7 @@ def prepare(
         known: Functions that the plan may call without defining them.
         constants: Module-level constants of the labelling code.
         settings: Those of them that its functions read.
+        acting: Functions that may send a command.
         trajectory: True when the plan may leave a list of set-points instead of calling commands.
 
     Raises:
@@ -84,6 +86,7 @@ def prepare(
     tree = parse_python(source, name)
     _check_imports(tree, name, known)
     _check_names(tree, name, {*known, *constants})
+    _check_generators(tree, name, acting)
     edits = list(alias_edits(tree))
     edits += enum_edits(tree)
     edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
@@ -214,6 +217,22 @@ def _check_names(tree: ast.AST, name: str, known: Collection[str]) -> None:
                 column=node.col_offset + 1,
                 expected=f"a name of the plan, or one of {', '.join(sorted(known))}",
                 hint=f"did you mean '{near[0]}'?" if near else None,
+            )
+
+
+def _check_generators(tree: ast.AST, name: str, acting: Collection[str]) -> None:
+    """The sandbox runs a generator expression to its end at once, so it must not act."""
+    own = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)}
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.GeneratorExp):
+            continue
+        used = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
+        if used & (own | set(acting)):
+            raise UnsupportedPlanError(
+                f"a generator expression calls {', '.join(sorted(used & (own | set(acting))))}",
+                source=name,
+                line=node.lineno,
+                expected="a loop, or a list in brackets",
             )
 
 
