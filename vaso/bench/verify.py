@@ -129,12 +129,19 @@ class ProcessPerRule:
 
 def engines() -> list[tuple[str, Callable[[], Verifier]]]:
     """The engines to compare, the baseline first."""
-    from vaso.verifiers import AutoVerifier, LassoVerifier, NuSMVVerifier, PyNuSMVVerifier
+    from vaso.verifiers import (
+        AutoVerifier,
+        ExplicitVerifier,
+        LassoVerifier,
+        NuSMVVerifier,
+        PyNuSMVVerifier,
+    )
 
     return [
         (BASELINE, ProcessPerRule),
         ("NuSMV, a process a plan", NuSMVVerifier),
         ("PyNuSMV, worker process", PyNuSMVVerifier),
+        ("explicit search", ExplicitVerifier),
         ("lasso, direct evaluation", LassoVerifier),
         ("auto: the default of verify", AutoVerifier),
     ]

@@ -16,12 +16,14 @@ _EXPORTS = {
     "PyNuSMVVerifier": "vaso.verifiers.pynusmv",
     "NuSMVVerifier": "vaso.verifiers.nusmv",
     "LassoVerifier": "vaso.verifiers.lasso",
+    "ExplicitVerifier": "vaso.verifiers.explicit",
     "AutoVerifier": "vaso.verifiers.auto",
 }
 
 __all__ = [
     "Answer",
     "AutoVerifier",
+    "ExplicitVerifier",
     "Lasso",
     "LassoVerifier",
     "NuSMVVerifier",
@@ -34,6 +36,7 @@ __all__ = [
 if TYPE_CHECKING:
     from vaso.verifiers.auto import AutoVerifier
     from vaso.verifiers.base import Answer, Lasso, Verifier
+    from vaso.verifiers.explicit import ExplicitVerifier
     from vaso.verifiers.lasso import LassoVerifier
     from vaso.verifiers.nusmv import NuSMVVerifier
     from vaso.verifiers.pynusmv import PyNuSMVVerifier
@@ -50,7 +53,8 @@ def get_verifier(verifier: str | Verifier | None = None) -> Verifier:
     """Return a verifier.
 
     Args:
-        verifier: A name (``auto``, ``pynusmv``, ``nusmv``, ``nuxmv``, ``lasso``), a verifier,
+        verifier: A name (``auto``, ``pynusmv``, ``nusmv``, ``nuxmv``, ``lasso``, ``explicit``), a
+            verifier,
             or None for the default, ``auto``.
 
     Raises:
@@ -82,4 +86,5 @@ _BY_NAME: Mapping[str, Callable[[], Verifier]] = {
     "nusmv": _make("NuSMVVerifier"),
     "nuxmv": _make("NuSMVVerifier", "nuXmv"),
     "lasso": _make("LassoVerifier"),
+    "explicit": _make("ExplicitVerifier"),
 }

@@ -22,7 +22,7 @@ from vaso.plan.atoms import AtomTables, Truth, atoms_of
 from vaso.plan.transition_system import Guard, TransitionSystem, covers
 from vaso.verifiers.components import components
 
-__all__ = ["Word", "find_violation"]
+__all__ = ["UndecidedError", "Word", "find_violation", "search"]
 
 MAX_NODES = 20_000
 MAX_EDGES = 200_000
@@ -60,8 +60,8 @@ class _Step:
     target: _Node
 
 
-class _TooLargeError(Exception):
-    """The search would take too long."""
+class UndecidedError(Exception):
+    """The search cannot tell, with the reason."""
 
 
 _NOW = frozenset[Formula]()
@@ -79,12 +79,28 @@ def find_violation(system: TransitionSystem, formula: Formula) -> Word | None:
         The sensor values of a violating run; None if there is none, if the search grew too large,
         or if the formula looks back in time.
     """
-    if has_past(formula):
-        return None
     try:
-        return _Search(system, nnf(negate(formula))).run()
-    except _TooLargeError:
+        return search(system, formula)
+    except UndecidedError:
         return None
+
+
+def search(system: TransitionSystem, formula: Formula) -> Word | None:
+    """Decide whether some run violates a formula, and find one.
+
+    Args:
+        system: A total system, best one that is reduced to what the formula can see.
+        formula: A formula over its propositions.
+
+    Returns:
+        The sensor values of a violating run; None if every run satisfies the formula.
+
+    Raises:
+        UndecidedError: The search grew too large, or the formula looks back in time.
+    """
+    if has_past(formula):
+        raise UndecidedError("the formula looks back in time")
+    return _Search(system, nnf(negate(formula))).run()
 
 
 class _Search:
@@ -110,7 +126,7 @@ class _Search:
                     self.found_by[step.target] = (node, step.values)
                     queue.append(step.target)
             if len(self.found_by) > MAX_NODES or edges > MAX_EDGES:
-                raise _TooLargeError
+                raise UndecidedError("the search grew too large")
         return self._lasso()
 
     def _way_to(self, node: _Node) -> tuple[Guard, ...]:
@@ -194,7 +210,7 @@ class _Moves:
         for sensor in self.system.sensors:
             size *= len(sensor.domain)
         if size > MAX_VALUATIONS:
-            raise _TooLargeError
+            raise UndecidedError("the search grew too large")
         self._atoms: tuple[Atom, ...] = atoms_of([self.goal])
         self._tables = AtomTables(self.system)
         self._valuations = list(self.system.valuations())
@@ -286,5 +302,5 @@ def _least(ways: Iterator[_Way] | tuple[_Way, ...]) -> tuple[_Way, ...]:
         kept = [k for k in kept if not (way.rest <= k.rest and way.postponed <= k.postponed)]
         kept.append(way)
     if len(kept) > MAX_ALTERNATIVES:
-        raise _TooLargeError
+        raise UndecidedError("the search grew too large")
     return tuple(kept)
