@@ -269,6 +269,8 @@ def test_hostile_and_unsupported_plans_are_contained(source, word):
         ("import socket\n", "socket", 1),
         ("x = 1\nopen('/etc/passwd')\n", "open", 2),
         ("import random\nforward()\n", "random", 1),
+        ("forward()\nt = time.process_time()\n", "process_time", 2),
+        ("from time import thread_time\nforward()\n", "thread_time", 1),
         ("from pathlib import Path\nPath('x').read_text()\n", "pathlib", 1),
     ],
 )

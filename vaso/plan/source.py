@@ -87,6 +87,7 @@ def prepare(
     _check_imports(tree, name, known)
     _check_names(tree, name, {*known, *constants})
     _check_generators(tree, name, acting)
+    _check_clocks(tree, name)
     edits = list(alias_edits(tree))
     edits += enum_edits(tree)
     edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
@@ -233,6 +234,21 @@ def _check_generators(tree: ast.AST, name: str, acting: Collection[str]) -> None
                 source=name,
                 line=node.lineno,
                 expected="a loop, or a list in brackets",
+            )
+
+
+def _check_clocks(tree: ast.AST, name: str) -> None:
+    """Processor time does not pass in the sandbox, so a plan must not look at it."""
+    refused = {"process_time", "thread_time", "process_time_ns", "thread_time_ns"}
+    for node in ast.walk(tree):
+        used = {a.name for a in node.names} if isinstance(node, ast.ImportFrom) else set()
+        used |= {node.attr} if isinstance(node, ast.Attribute) else set()
+        if used & refused:
+            raise UnsupportedPlanError(
+                f"the plan uses {', '.join(sorted(used & refused))}, which stands still here",
+                source=name,
+                line=getattr(node, "lineno", None),
+                expected="time.time() or time.monotonic()",
             )
 
 
