@@ -1,12 +1,13 @@
 """The explicit-state model checker against PyNuSMV: two engines with no code in common."""
 
-import pytest
 from automata import formulas, systems
 from hypothesis import HealthCheck, event, given, settings
 
+from tests.plan.contracts import DRIVE
 from vaso.ltl import has_past, parse
+from vaso.plan import compile_plan
 from vaso.verdict import Verdict
-from vaso.verifiers import ExplicitVerifier, PyNuSMVVerifier, get_verifier
+from vaso.verifiers import ExplicitVerifier, PyNuSMVVerifier, get_verifier, witness
 from vaso.verifiers.runs import objection
 
 
@@ -24,10 +25,7 @@ def test_the_two_engines_agree(system, formula):
         assert mine.lasso is not None and not objection(system, mine.lasso, formula)
 
 
-def test_an_unknown_proposition_is_not_a_verdict(monkeypatch):
-    from tests.plan.contracts import DRIVE
-    from vaso.plan import compile_plan
-
+def test_an_unknown_proposition_is_not_a_verdict():
     system = compile_plan("forward()\n", DRIVE)
     answers = get_verifier("explicit").check(
         system, [parse("G nowhere"), parse("F forward"), parse("G stop")]
@@ -36,23 +34,15 @@ def test_an_unknown_proposition_is_not_a_verdict(monkeypatch):
 
 
 def test_a_search_that_grows_too_large_is_unknown(monkeypatch):
-    from tests.plan.contracts import DRIVE
-    from vaso.plan import compile_plan
-    from vaso.verifiers import witness
-
     monkeypatch.setattr(witness, "MAX_NODES", 1)
     source = "while True:\n    stop() if people_observed() else forward()\n"
     answer = ExplicitVerifier().check(compile_plan(source, DRIVE), [parse("G(stop -> F forward)")])
     assert answer[0].verdict is Verdict.UNKNOWN and "large" in answer[0].reason
 
 
-@pytest.mark.parametrize("timeout", [-1.0])
-def test_no_time_is_no_verdict(timeout):
-    from tests.plan.contracts import DRIVE
-    from vaso.plan import compile_plan
-
+def test_no_time_is_no_verdict():
     system = compile_plan("forward()\n", DRIVE)
     assert (
-        ExplicitVerifier().check(system, [parse("F forward")], timeout=timeout)[0].verdict
+        ExplicitVerifier().check(system, [parse("F forward")], timeout=-1.0)[0].verdict
         is Verdict.UNKNOWN
     )

@@ -89,15 +89,9 @@ def _steps(system: TransitionSystem, lasso: Lasso) -> list[Step]:
                 line=(before.line if before else None) or state.line,
                 sensors=valuation,
                 labels=system.label(number, valuation),
-                reads=_reads(system, after),
+                reads=after.reads,
                 note=_STOPPED if state.cut else state.note,
             )
         )
         before = after
     return steps
-
-
-def _reads(system: TransitionSystem, edge: Edge) -> tuple[tuple[str, int | None], ...]:
-    """What the plan read, without the call that issues the next command."""
-    call = system.states[edge.target].api.partition("(")[0]
-    return tuple(read for read in edge.reads if read != (call, edge.line))

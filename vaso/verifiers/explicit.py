@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from vaso.ltl import Formula
+from vaso.ltl import Formula, has_past
 from vaso.plan.atoms import AtomTables
 from vaso.plan.transition_system import TransitionSystem
 from vaso.verdict import Verdict
 from vaso.verifiers.base import Answer, Lasso
 from vaso.verifiers.reduction import reduce
-from vaso.verifiers.runs import follow, objection
+from vaso.verifiers.runs import confirmed
 from vaso.verifiers.shortening import shorten
 from vaso.verifiers.support import not_total, readable
 from vaso.verifiers.witness import UndecidedError, search
@@ -67,15 +67,15 @@ class ExplicitVerifier:
     def _decide(
         self, system: TransitionSystem, formula: Formula, tables: AtomTables
     ) -> tuple[Verdict, Lasso | None, str]:
+        if has_past(formula):
+            return Verdict.UNSUPPORTED, None, "the formula looks back in time"
         try:
             word = search(reduce(system, [formula], tables), formula)
         except UndecidedError as error:
-            looks_back = "back" in str(error)
-            return (Verdict.UNSUPPORTED if looks_back else Verdict.UNKNOWN), None, str(error)
+            return Verdict.UNKNOWN, None, str(error)
         if word is None:
             return Verdict.PASS, None, ""
-        lasso = follow(system, *word)
-        doubt = "it cannot be followed" if lasso is None else objection(system, lasso, formula)
-        if doubt:
-            return Verdict.UNKNOWN, None, f"a violation was found, but not confirmed: {doubt}"
+        lasso = confirmed(system, word, formula)
+        if lasso is None:
+            return Verdict.UNKNOWN, None, "a violation was found, but its run is not confirmed"
         return Verdict.FAIL, lasso, ""

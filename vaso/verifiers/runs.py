@@ -14,7 +14,7 @@ from vaso.plan.atoms import names_of
 from vaso.plan.transition_system import Guard, Label, Scalar, TransitionSystem
 from vaso.verifiers.base import Lasso
 
-__all__ = ["default_values", "follow", "labels_along", "objection", "violates"]
+__all__ = ["confirmed", "default_values", "follow", "labels_along", "objection", "violates"]
 
 
 def default_values(system: TransitionSystem) -> dict[str, Scalar]:
@@ -102,3 +102,13 @@ def objection(system: TransitionSystem, lasso: Lasso, formula: Formula) -> str:
         if edge.target != lasso.run[after[place]][0]:
             return f"step {place} of it cannot be replayed on the plan"
     return "" if violates(system, lasso, formula) else "the formula is true on it"
+
+
+def confirmed(
+    system: TransitionSystem,
+    word: tuple[Sequence[Guard], Sequence[Guard]],
+    formula: Formula,
+) -> Lasso | None:
+    """The run along sensor values (prefix and loop), if it really violates the formula."""
+    lasso = follow(system, *word)
+    return None if lasso is None or objection(system, lasso, formula) else lasso

@@ -14,7 +14,7 @@ from vaso.verdict import Verdict
 from vaso.verifiers.base import Answer, Lasso
 from vaso.verifiers.engine import SMVAnswer, SMVEngine, SMVTrace
 from vaso.verifiers.reduction import reduce
-from vaso.verifiers.runs import follow, objection
+from vaso.verifiers.runs import confirmed, follow, objection
 from vaso.verifiers.shortening import shorten
 from vaso.verifiers.support import not_total, readable
 from vaso.verifiers.witness import find_violation
@@ -111,10 +111,8 @@ class _Task:
     def _search(self, formula: Formula) -> Lasso | None:
         """A violating run from the explicit automaton."""
         word = find_violation(reduce(self.reduced, [formula]), formula)
-        lasso = None if word is None else follow(self.system, *word)
-        if lasso is None or objection(self.system, lasso, formula):
-            return None
-        return shorten(self.system, lasso, formula)
+        lasso = None if word is None else confirmed(self.system, word, formula)
+        return None if lasso is None else shorten(self.system, lasso, formula)
 
     def _confirmed(self, index: int, answer: Answer, traced: SMVAnswer) -> Answer:
         """A violating run from the engine's trace; without one, there is no verdict."""
