@@ -10,8 +10,9 @@ import dspy
 from openai_server import Drop, Hang, OpenAIServer, Raw, Status
 
 from vaso.errors import ModelError
-from vaso.lm import explain, get_lm, metered
+from vaso.lm import explain, get_lm
 from vaso.optimizers.budget import Budget, BudgetExhausted, Ledger
+from vaso.optimizers.metering import metered
 
 VARIABLES = ("VASO_LM", "VASO_API_BASE", "OPENAI_API_BASE", "OPENAI_BASE_URL", "OPENAI_API_KEY")
 

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import contextvars
 import os
-import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 from vaso.errors import ModelError
 
-if TYPE_CHECKING:
-    from vaso.optimizers.budget import Ledger
-
-T = TypeVar("T")
 NAME_VARIABLE = "VASO_LM"
 BASE_VARIABLES = ("VASO_API_BASE", "OPENAI_API_BASE", "OPENAI_BASE_URL")
 HOW = (
     "give a model by name, such as lm='openai/gpt-4o-mini' with OPENAI_API_KEY set or "
     "lm='ollama_chat/qwen2.5-coder:7b' with Ollama running; for another OpenAI-compatible server "
-    f"set {BASE_VARIABLES[0]}=http://host:port/v1; or give a dspy.LM"
+    f"set {BASE_VARIABLES[0]}=http://host:port/v1; lm='local:model.gguf' runs a file in process; "
+    "or give a dspy.LM"
 )
+LOCAL = "local:"
+EDITS = "edits"
 PERMANENT = ("LMConfigurationError", "LMAuthError", "LMBillingError", "LMUnsupportedModelError")
 
 
@@ -49,6 +44,14 @@ def get_lm(model: Any = None, **options: Any) -> Any:
         raise ModelError(
             f"{chosen!r} is not a language model", expected="a dspy.LM or a name", hint=HOW
         )
+    if chosen.startswith(LOCAL):
+        from vaso.local import local_lm
+
+        return local_lm(chosen.removeprefix(LOCAL), **options)
+    if chosen.split(":")[0] == EDITS:
+        from vaso.modules.edit_model import edit_model
+
+        return edit_model(chosen.removeprefix(EDITS), **options)
     try:
         return dspy.LM(chosen, **{**_connection(chosen), **options})
     except Exception as error:
@@ -103,87 +106,3 @@ def _hint(kinds: set[str]) -> str:
 def _permanent(error: ModelError) -> ModelError:
     error.permanent = True
     return error
-
-
-# -- metering ------------------------------------------------------------------------------------
-
-
-def metered(lm: Any, ledger: Ledger) -> Any:
-    """A copy of a model whose calls are charged to an account and refused when it is spent.
-
-    It is of a subclass of the model's own class, so that dspy's cache, retries, callbacks and usage
-    tracking work as before, and it shares the model's history.
-
-    Args:
-        lm: A ``dspy.LM``.
-        ledger: The account.
-    """
-    cls = type(lm)
-    copy = lm.copy()
-    copy.history = lm.history
-    copy.__class__ = type(f"Metered{cls.__name__}", (_Metered, cls), {"_ledger": ledger})
-    return copy
-
-
-class _Metered:
-    """Mix-in that wraps the calls of a ``dspy.BaseLM``."""
-
-    _ledger: Ledger
-
-    def __call__(self, *args: Any, **kwargs: Any) -> Any:
-        self._ledger.require("lm_calls", "tokens", "cost", "seconds")
-        with _accounted(self._ledger):
-            call = super().__call__  # type: ignore[misc]
-            return _within(lambda: call(*args, **kwargs), self._ledger)
-
-    async def acall(self, *args: Any, **kwargs: Any) -> Any:
-        self._ledger.require("lm_calls", "tokens", "cost", "seconds")
-        with _accounted(self._ledger):
-            return await super().acall(*args, **kwargs)  # type: ignore[misc]
-
-    def update_history(self, entry: dict[str, Any]) -> None:
-        """Charge the price, where dspy knows it and the answer is not from the cache."""
-        if entry.get("cost") and entry.get("usage"):
-            self._ledger.charge(cost=float(entry["cost"]))
-        super().update_history(entry)  # type: ignore[misc]
-
-
-@contextmanager
-def _accounted(ledger: Ledger) -> Iterator[None]:
-    dspy = import_dspy()
-    ledger.charge(lm_calls=1)
-    with dspy.track_usage() as tracker:
-        try:
-            yield
-        finally:
-            for usage in tracker.get_total_tokens().values():
-                ledger.charge(
-                    prompt_tokens=int(usage.get("prompt_tokens") or 0),
-                    completion_tokens=int(usage.get("completion_tokens") or 0),
-                )
-
-
-def _within(call: Callable[[], T], ledger: Ledger) -> T:
-    """Call, and give up waiting when the time budget is spent."""
-    seconds = ledger.seconds_left()
-    if seconds is None:
-        return call()
-    outcome: list[Any] = []
-    context = contextvars.copy_context()
-
-    def work() -> None:
-        try:
-            outcome.append((context.run(call), None))
-        except BaseException as error:
-            outcome.append((None, error))
-
-    thread = threading.Thread(target=work, daemon=True)
-    thread.start()
-    thread.join(seconds)
-    if not outcome:
-        ledger.require("seconds")
-        raise ModelError("the language model did not answer in the time that was left")
-    value, error = outcome[0]
-    if error is not None:
-        raise error
-    return value  # type: ignore[no-any-return]

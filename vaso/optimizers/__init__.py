@@ -12,6 +12,9 @@ from typing import TYPE_CHECKING, Any
 _EXPORTS = {
     "Budget": "budget",
     "Case": "base",
+    "DrivenOptimizer": "session",
+    "Driver": "session",
+    "EndOfRun": "budget",
     "Event": "events",
     "Loss": "base",
     "LossValue": "base",
@@ -22,6 +25,7 @@ _EXPORTS = {
     "Proposal": "base",
     "Proposer": "base",
     "RunStore": "store",
+    "Session": "session",
     "SkillLoss": "loss",
     "Spent": "budget",
     "State": "base",
@@ -35,6 +39,9 @@ _EXPORTS = {
 __all__ = [
     "Budget",
     "Case",
+    "DrivenOptimizer",
+    "Driver",
+    "EndOfRun",
     "Event",
     "LoopOptimizer",
     "Loss",
@@ -45,6 +52,7 @@ __all__ = [
     "Proposal",
     "Proposer",
     "RunStore",
+    "Session",
     "SkillLoss",
     "Spent",
     "State",
@@ -65,7 +73,7 @@ if TYPE_CHECKING:
         Proposer,
         State,
     )
-    from vaso.optimizers.budget import Budget, Spent
+    from vaso.optimizers.budget import Budget, EndOfRun, Spent
     from vaso.optimizers.events import Event
     from vaso.optimizers.loop import LoopOptimizer
     from vaso.optimizers.loss import SkillLoss
@@ -73,6 +81,7 @@ if TYPE_CHECKING:
     from vaso.optimizers.registry import get_optimizer, optimizers, register_optimizer
     from vaso.optimizers.result import OptimizationResult, StepRecord
     from vaso.optimizers.run import optimize
+    from vaso.optimizers.session import DrivenOptimizer, Driver, Session
     from vaso.optimizers.store import RunStore
 
 

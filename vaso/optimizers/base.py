@@ -154,7 +154,8 @@ class Proposer(Protocol):
 
     It is a function of the state alone, so that a resumed run goes on as if it had never stopped.
     The loop takes candidates until it accepts one; when the generator is resumed after a
-    ``yield``, the candidate was rejected and its ``rejected`` says why. Whatever a proposer raises
+    ``yield``, the candidate was rejected and its ``rejected`` says why. Of several that are yielded
+    together the best acceptable one is taken. Whatever a proposer raises
     costs the step, never the run.
     """
 
@@ -173,8 +174,8 @@ class Proposer(Protocol):
         """True if it proposes the same again as long as nothing was accepted."""
         ...
 
-    def propose(self, state: State) -> Iterator[Proposal]:
-        """Yield candidates."""
+    def propose(self, state: State) -> Iterator[Proposal | Sequence[Proposal]]:
+        """Yield candidates: one, or several that are evaluated at the same time."""
         ...
 
 

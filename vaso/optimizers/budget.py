@@ -13,8 +13,15 @@ from vaso.errors import OptimizerError
 Clock = Callable[[], float]
 
 
-class BudgetExhausted(Exception):
-    """Raised before a call that the budget no longer covers. Only the loop catches it."""
+class EndOfRun(BaseException):
+    """Ends an optimization; the message is the reason. Only the shared run catches it.
+
+    Not an ``Exception``: frameworks that go on after any error must not go on after this one.
+    """
+
+
+class BudgetExhausted(EndOfRun):
+    """Raised before a call that the budget no longer covers."""
 
 
 @dataclass(frozen=True, slots=True)

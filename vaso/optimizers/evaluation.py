@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from vaso.optimizers.base import Case, Loss, LossValue
 from vaso.optimizers.budget import Ledger
+from vaso.optimizers.once import Once
 from vaso.optimizers.parameters import Parameters
 
 Values = Mapping[Case, LossValue]
@@ -20,7 +21,7 @@ class Evaluator:
     def __init__(self, loss: Loss, ledger: Ledger) -> None:
         self._loss = loss
         self._ledger = ledger
-        self._memo: dict[tuple[str, Case], LossValue] = {}
+        self._memo: Once[LossValue] = Once()
 
     def __call__(self, params: Parameters, case: Case) -> LossValue:
         """The loss value, from the memo where it is known.
@@ -32,11 +33,21 @@ class Evaluator:
         key = (params.key, case)
         if key in self._memo:
             self._ledger.charge(memo_hits=1)
-            return self._memo[key]
+            return self._memo.values[key]
+        return self._memo.get(key, lambda: self._evaluate(params, case))
+
+    def again(self, params: Parameters, case: Case) -> LossValue:
+        """The value of texts that an earlier run has paid for: it is not charged."""
+        return self._memo.get((params.key, case), lambda: self._loss(params, case))
+
+    def known(self, params: Parameters, cases: Iterable[Case]) -> dict[Case, LossValue]:
+        """The values that the memo has."""
+        return {c: self._memo.values[params.key, c] for c in cases if (params.key, c) in self._memo}
+
+    def _evaluate(self, params: Parameters, case: Case) -> LossValue:
         self._ledger.require("loss_calls", "seconds")
         value = self._loss(params, case)
         self._ledger.charge(loss_calls=1)
-        self._memo[key] = value
         return value
 
     def all(

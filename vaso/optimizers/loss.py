@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,8 +16,8 @@ from vaso.ltl import Unary
 from vaso.modules.symbolic import SymbolicPlanner
 from vaso.optimizers.alignment import misaligned
 from vaso.optimizers.base import Case, LossValue
-from vaso.optimizers.budget import BudgetExhausted
 from vaso.optimizers.completion import Purpose, completion, purpose, purpose_of_text
+from vaso.optimizers.once import Once
 from vaso.optimizers.parameters import Parameters, _digest
 from vaso.plan import Budget, compile_plan
 from vaso.plan.model import Plan
@@ -77,11 +78,12 @@ class SkillLoss:
         self.platform = get_platform(skill.platform)
         self.verifications = 0
         self._verify, self._check = verify or _verify_in_time, check
-        self._plans: dict[str, str] = {}
-        self._judged: dict[str, _Judged] = {}
+        self._plans: Once[str] = Once()
+        self._judged: Once[_Judged] = Once()
+        self._conflicts: Once[str] = Once()
+        self._repairs: Once[Edit | None] = Once()
         self._systems: dict[str, TransitionSystem | None] = {}
-        self._conflicts: dict[str, str] = {}
-        self._repairs: dict[str, Edit | None] = {}
+        self._lock = threading.Lock()
 
     def __call__(self, params: Parameters, case: Case) -> LossValue:
         """Evaluate texts on a case.
@@ -104,24 +106,23 @@ class SkillLoss:
 
     def state(self) -> dict[str, Any]:
         """What a checkpoint keeps: the plans, which a language model may have been paid for."""
-        return {"plans": dict(self._plans)}
+        return {"plans": dict(self._plans.values)}
 
     def restore(self, state: Mapping[str, Any]) -> None:
         """Take up the state of an earlier run."""
-        self._plans.update(state.get("plans", {}))
+        self._plans.values.update(state.get("plans", {}))
 
     # -- stages --------------------------------------------------------------------------------
 
     def _conflict(self, skill: Skill) -> str:
         """What is wrong with the contract itself; empty where nothing is, as far as is known."""
-        key = _key(skill, "")
-        if key not in self._conflicts:
-            found = self._check(skill)
-            if found.feasible is False:
-                self._conflicts[key] = found.feedback or found.summary()
-            else:
-                self._conflicts[key] = self._emptiness(skill)
-        return self._conflicts[key]
+        return self._conflicts.get(_key(skill, ""), lambda: self._find_conflict(skill))
+
+    def _find_conflict(self, skill: Skill) -> str:
+        found = self._check(skill)
+        if found.feasible is False:
+            return found.feedback or found.summary()
+        return self._emptiness(skill)
 
     def _emptiness(self, skill: Skill) -> str:
         """Why a new local rule is none: it must not be bought by saying nothing."""
@@ -138,14 +139,13 @@ class SkillLoss:
 
     def _plan(self, params: Parameters, case: Case) -> Plan:
         key = _digest([params.key, case.task])
-        if key not in self._plans:
-            self._plans[key] = self._draw(params.skill, case).source
-        return Plan(source=self._plans[key], task=case.task)
+        source = self._plans.get(key, lambda: self._draw(params.skill, case).source)
+        return Plan(source=source, task=case.task)
 
     def _draw(self, skill: Skill, case: Case) -> Plan:
         try:
             return _plan_of(self.planner(skill, case.task))
-        except (VasoError, BudgetExhausted):
+        except VasoError:
             raise
         except Exception as error:
             problem = explain(error)
@@ -156,17 +156,18 @@ class SkillLoss:
     def _judge(self, skill: Skill, plan: Plan) -> _Judged:
         """The verdict on a plan. It is kept without the transition system, which may be large."""
         key = _key(skill, plan.source)
-        if key not in self._judged:
-            self.verifications += 1
+
+        def judge() -> _Judged:
             result = self._verify(skill, plan)
             system = result.system
-            self._remember(key, system)
-            self._judged[key] = _Judged(
+            self._remember(key, system, verified=True)
+            return _Judged(
                 replace(result, system=None),
                 purpose(system, self.platform) if system else None,
                 misaligned(system, self.platform) if system else frozenset(),
             )
-        return self._judged[key]
+
+        return self._judged.get(key, judge)
 
     def with_system(self, params: Parameters, value: LossValue) -> LossValue:
         """A value whose result has its transition system, for those who look closer."""
@@ -176,17 +177,23 @@ class SkillLoss:
 
     def _explored(self, skill: Skill, result: VerificationResult) -> VerificationResult:
         key = _key(skill, result.plan)
-        if key not in self._systems:
-            try:
-                self._remember(key, compile_plan(result.plan, skill, platform=self.platform))
-            except VasoError:
-                self._remember(key, None)
-        return replace(result, system=self._systems[key])
+        if key in self._systems:
+            return replace(result, system=self._systems[key])
+        try:
+            system = compile_plan(result.plan, skill, platform=self.platform)
+        except VasoError:
+            system = None
+        self._remember(key, system)
+        return replace(result, system=system)
 
-    def _remember(self, key: str, system: TransitionSystem | None) -> None:
-        self._systems[key] = system
-        while len(self._systems) > KEPT_SYSTEMS:
-            self._systems.pop(next(iter(self._systems)))
+    def _remember(
+        self, key: str, system: TransitionSystem | None, *, verified: bool = False
+    ) -> None:
+        with self._lock:
+            self.verifications += verified
+            self._systems[key] = system
+            while len(self._systems) > KEPT_SYSTEMS:
+                self._systems.pop(next(iter(self._systems)))
 
     def _reference(self, case: Case) -> tuple[Purpose, frozenset[str]]:
         """What the first plan for a case can do, and where its labels were wrong already."""
@@ -223,17 +230,18 @@ class SkillLoss:
 
     def _repair(self, params: Parameters, case: Case) -> Edit | None:
         """A verified edit of the template; its plans are the symbolic planner's, which is free."""
-        key = _digest([params.key, case.task])
-        if key not in self._repairs:
-            skill, draw = params.skill, SymbolicPlanner()
-            self._repairs[key] = find_repair(
+        skill, draw = params.skill, SymbolicPlanner()
+
+        def search() -> Edit | None:
+            return find_repair(
                 skill,
                 params["plan_template"],
                 verify=lambda plan: self._judge(skill, Plan(source=plan)).result,
                 plans=lambda text: [draw(_with_template(skill, text), case.task).source],
                 platform=self.platform,
             )
-        return self._repairs[key]
+
+        return self._repairs.get(_digest([params.key, case.task]), search)
 
 
 def _key(skill: Skill, plan: str) -> str:

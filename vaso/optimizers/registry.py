@@ -9,6 +9,7 @@ from typing import Any
 from vaso.errors import OptimizerError
 from vaso.optimizers.base import Optimizer, Proposer
 from vaso.optimizers.loop import LoopOptimizer
+from vaso.optimizers.session import DrivenOptimizer, Driver
 
 Factory = Callable[[], Any]
 
@@ -25,9 +26,10 @@ def register_optimizer(name: str, factory: Factory) -> None:
 
     Args:
         name: The name that a user writes.
-        factory: Returns an :class:`~vaso.optimizers.base.Optimizer`, or just a
-            :class:`~vaso.optimizers.base.Proposer`, which then runs in the shared loop. It is
-            called each time that the optimizer is asked for; import heavy packages in it.
+        factory: Returns a :class:`~vaso.optimizers.base.Proposer`, which runs in the shared loop,
+            a :class:`~vaso.optimizers.session.Driver`, which keeps a loop of its own, or an
+            :class:`~vaso.optimizers.base.Optimizer`. It is called each time that the optimizer is
+            asked for; import heavy packages in it.
     """
     _registered[name] = factory
 
@@ -37,8 +39,8 @@ def optimizers() -> list[str]:
     return sorted({*_BUILT_IN, *_registered})
 
 
-def get_optimizer(optimizer: str | Optimizer | Proposer) -> Optimizer:
-    """An optimizer by name; an instance is returned as it is, a proposer with the loop around it.
+def get_optimizer(optimizer: str | Optimizer | Proposer | Driver) -> Optimizer:
+    """An optimizer by name or instance; proposers and drivers get what they need around them.
 
     Raises:
         OptimizerError: There is none of that name.
@@ -49,9 +51,12 @@ def get_optimizer(optimizer: str | Optimizer | Proposer) -> Optimizer:
         return found  # type: ignore[no-any-return]
     if hasattr(found, "propose"):
         return LoopOptimizer(found)
+    if hasattr(found, "drive"):
+        return DrivenOptimizer(found)
     raise OptimizerError(
         f"{optimizer!r} is not an optimizer",
-        expected=f"one of {', '.join(optimizers())}, or an object with 'optimize' or 'propose'",
+        expected=f"one of {', '.join(optimizers())}, "
+        "or an object with a method 'propose', 'drive' or 'optimize'",
     )
 
 

@@ -48,6 +48,7 @@ class StepRecord(BaseModel):
         tried: The last candidates that were turned down.
         tried_count: How many were turned down.
         error: Why the step failed, where a proposer or a model did.
+        loss_calls: Loss calls since the start of the run, this step's among them.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -63,6 +64,7 @@ class StepRecord(BaseModel):
     tried: tuple[Tried, ...] = ()
     tried_count: int = 0
     error: str = ""
+    loss_calls: int = 0
 
 
 @dataclass(frozen=True)

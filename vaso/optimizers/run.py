@@ -11,14 +11,16 @@ from typing import Any
 from vaso.errors import OptimizerError
 from vaso.feasibility import check
 from vaso.gradient.model import Level
-from vaso.lm import get_lm, import_dspy, metered
+from vaso.lm import get_lm, import_dspy
 from vaso.optimizers.base import Case, OnEvent, Optimizer, Proposer
 from vaso.optimizers.budget import Budget, Ledger
 from vaso.optimizers.loop import LoopOptimizer
 from vaso.optimizers.loss import Planner, SkillLoss
+from vaso.optimizers.metering import metered
 from vaso.optimizers.parameters import DEFAULT_TRAINABLE, Parameters
 from vaso.optimizers.registry import get_optimizer
 from vaso.optimizers.result import OptimizationResult
+from vaso.optimizers.session import DrivenOptimizer, Driver
 from vaso.optimizers.store import RunStore
 from vaso.skill import ParameterName, Skill
 from vaso.skill_file import load_skill, load_tasks
@@ -30,9 +32,10 @@ def optimize(
     skill: Skill | str | Path,
     tasks: Iterable[str] | str | Path | None = None,
     *,
-    optimizer: str | Optimizer | Proposer = "repair",
+    optimizer: str | Optimizer | Proposer | Driver = "repair",
     lm: Any = None,
     planner: Planner | None = None,
+    planner_lm: Any = None,
     level: Level | str = Level.BLAME,
     trainable: Sequence[ParameterName] | None = None,
     out: str | Path | None = None,
@@ -46,16 +49,17 @@ def optimize(
     Args:
         skill: A skill, the name of a shipped one (its faulty first version is taken), or a file.
         tasks: Task prompts, or a tasks file (its seen prompts); by default those beside the skill.
-        optimizer: ``repair`` (symbolic), ``loop`` or ``adalflow`` (with a language model), a
-            registered name, or an instance.
-        lm: A ``dspy.LM`` or its name, for optimizers that need one and for the planner.
+        optimizer: A name from :func:`vaso.optimizers.optimizers`, or an instance. ``repair`` is
+            symbolic; all others that VASO brings need a language model.
+        lm: A ``dspy.LM`` or its name, for optimizers that need one.
         planner: Writes the plan for a skill and a prompt. By default the symbolic planner, which
-            needs no model; a ``vaso.modules.Planner`` uses ``lm``.
+            needs no model; a ``vaso.modules.Planner`` asks one.
+        planner_lm: The model that a planner asks, where it is not ``lm``.
         level: How much the textual gradients say: ``verdict``, ``trace``, ``blame``, ``repair``.
         trainable: The texts that may change. By default labelling code and plan template, and the
             local rule only where no plan can satisfy it.
-        out: A folder for checkpoint, event log, result and the best skill.
-        resume: Go on from the checkpoint in ``out``, if there is one.
+        out: A folder for checkpoint, event log, the models' answers, result and the best skill.
+        resume: Go on with the run in ``out``; what its models answered is not asked again.
         budget: What may be spent; a number is a number of steps.
         seed: Seed of everything random.
         on_event: Called with every :class:`~vaso.optimizers.events.Event`.
@@ -77,16 +81,19 @@ def optimize(
         raise OptimizerError("there are no tasks to optimize on", hint="give tasks=[…]")
     chosen = get_optimizer(optimizer)
     ledger = Ledger(Budget.of(budget))
-    needed = lm is not None or chosen.needs_lm or _is_dspy_module(planner)
-    model = metered(get_lm(lm), ledger) if needed else None
+    store = RunStore(out, resume=resume) if out is not None else None
+    journal = store.journal() if store else None
+    asking = planner_lm is None and _is_dspy_module(planner)
+    needed = lm is not None or chosen.needs_lm or asking
+    model = metered(get_lm(lm), ledger, journal) if needed else None
+    drawing = model if planner_lm is None else metered(get_lm(planner_lm), ledger, journal)
     feasible = check(start).feasible
     params = Parameters(start, trainable=trainable or _trainable(feasible))
     loss = SkillLoss(start, planner or _symbolic(), level=level)
-    store = RunStore(out, resume=resume) if out is not None else None
     common: dict[str, Any] = {"lm": model, "seed": seed, "on_event": on_event, "store": store}
-    with _using(model):
-        if isinstance(chosen, LoopOptimizer):
-            return chosen.optimize(params, loss, cases, ledger=ledger, **common)
+    with _using(drawing):
+        if isinstance(chosen, LoopOptimizer | DrivenOptimizer):
+            return chosen.optimize(params, loss, cases, ledger=ledger, journal=journal, **common)
         return chosen.optimize(params, loss, cases, budget=ledger.budget, **common)
 
 

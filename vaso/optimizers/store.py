@@ -13,11 +13,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from vaso.errors import OptimizerError
 from vaso.optimizers.base import Case
 from vaso.optimizers.events import Event
+from vaso.optimizers.journal import Journal
 from vaso.optimizers.parameters import Parameters, _digest
 from vaso.optimizers.result import StepRecord
 from vaso.skill import Skill
 
 CHECKPOINT, EVENTS, SKILL, RESULT = "checkpoint.json", "events.jsonl", "SKILL.md", "result.json"
+JOURNAL = "answers.jsonl"
 
 
 class Checkpoint(BaseModel):
@@ -33,6 +35,7 @@ class Checkpoint(BaseModel):
         steps: The steps so far.
         spent: What was spent so far.
         loss: State of the loss, such as the plans that it has drawn.
+        answers: How many answers of the journal led to this state.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -45,6 +48,7 @@ class Checkpoint(BaseModel):
     steps: tuple[StepRecord, ...] = ()
     spent: dict[str, Any] = Field(default_factory=dict)
     loss: dict[str, Any] = Field(default_factory=dict)
+    answers: int = 0
 
 
 def fingerprint(params: Parameters, cases: Sequence[Case]) -> str:
@@ -75,6 +79,14 @@ class RunStore:
             raise OptimizerError(
                 f"the output folder cannot be written: {error}", source=str(out)
             ) from error
+
+    def journal(self) -> Journal:
+        """The journal of the models' answers.
+
+        Raises:
+            OptimizerError: It cannot be read or written.
+        """
+        return Journal(self.folder / JOURNAL, resume=self.resume)
 
     def load(self, optimizer: str, expected: str) -> Checkpoint | None:
         """The checkpoint to go on from, or None to start afresh.

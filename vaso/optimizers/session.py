@@ -1,0 +1,256 @@
+"""Optimizers that keep a loop of their own, such as GEPA or AdalFlow's Trainer.
+
+Such an optimizer is a :class:`Driver`. It asks its :class:`Session` for the loss of texts, and
+offers each candidate to it; the session gates, accepts or rejects, records, writes checkpoints and
+keeps the budget, so that all optimizers promise the same.
+"""
+
+from __future__ import annotations
+
+import random
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from vaso.lm import explain
+from vaso.optimizers.base import Case, Loss, LossValue, OnEvent, Proposal
+from vaso.optimizers.budget import Budget, EndOfRun, Ledger
+from vaso.optimizers.journal import Journal
+from vaso.optimizers.metering import metered
+from vaso.optimizers.parameters import Parameters
+from vaso.optimizers.result import OptimizationResult
+from vaso.optimizers.shared import INTERRUPTED, VERIFIED, Run
+from vaso.optimizers.store import RunStore
+
+Texts = Mapping[str, str]
+
+
+class Driver(Protocol):
+    """An optimizer with a loop of its own.
+
+    When a run is resumed it starts again, and every question to a model is answered from a journal.
+    So it must ask the same questions for the same seed.
+    """
+
+    @property
+    def name(self) -> str:
+        """What a user writes."""
+        ...
+
+    @property
+    def needs_lm(self) -> bool:
+        """True if it cannot work without a language model."""
+        ...
+
+    def drive(self, session: Session) -> None:
+        """Offer candidates until there is nothing more to propose.
+
+        Starts from ``session.best``; after an error it is called again. An
+        :class:`~vaso.optimizers.budget.EndOfRun` that the session raises goes through it.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a candidate.
+
+    Attributes:
+        accepted: True if it replaced the best texts so far.
+        reason: Why it did not, else an empty string.
+        values: What is known of its loss, by case. Evaluation stops early where the candidate
+            cannot win any more.
+    """
+
+    accepted: bool
+    reason: str = ""
+    values: Mapping[Case, LossValue] = field(default_factory=dict)
+
+
+class Session:
+    """What a driver works with. Safe to use from several threads.
+
+    Attributes:
+        initial: The texts at the start.
+        cases: What to optimize on.
+        seed: The run's seed.
+        rng: Source of randomness from the seed.
+        lm: The metered model, or None.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+        self._lock = threading.RLock()
+        self._reason = ""
+        self._offered: dict[str, Outcome] = {}
+        self.initial, self.cases, self.seed = run.initial, run.cases, run.seed
+        self.rng = random.Random(f"{run.seed}")
+        self.lm = run.lm
+        if self.lm is not None:
+            self.lm.on_error = self._model_failed
+
+    def __deepcopy__(self, memo: Any) -> Session:
+        """Frameworks copy their programs; there is one session."""
+        return self
+
+    @property
+    def best(self) -> Parameters:
+        """The best texts so far."""
+        return self._run.best
+
+    @property
+    def values(self) -> dict[Case, LossValue]:
+        """Loss values of the best texts so far, by case."""
+        return dict(self._run.values)
+
+    @property
+    def finished(self) -> bool:
+        """True once the run is over: everything is verified, or the budget is spent."""
+        return bool(self._reason)
+
+    @property
+    def steps_left(self) -> int | None:
+        """Steps that the budget leaves; None without a limit."""
+        limit = self._run.ledger.budget.steps
+        return None if limit is None else max(0, limit - self._run.ledger.spent.steps)
+
+    def evaluate(self, texts: Texts, case: Case) -> LossValue:
+        """The loss of a candidate on a case, from the memo where it is known.
+
+        Args:
+            texts: Texts by name; those that are left out are as in the best so far.
+            case: The case.
+
+        Raises:
+            EndOfRun: The run is over.
+            ModelError: The planner's model does not answer.
+        """
+        self._go_on()
+        value: LossValue = self._ending(lambda: self._run.evaluate(self.best.replace(texts), case))
+        return value
+
+    def offer(self, texts: Texts, note: str = "") -> Outcome:
+        """Make one step: put a candidate to the test, and accept or reject it.
+
+        A candidate that was offered before has the same outcome, and is not a step.
+
+        Args:
+            texts: Texts by name; those that are left out are as in the best so far.
+            note: How the candidate came about, for the record.
+
+        Raises:
+            EndOfRun: The run is over. Also raised where this candidate is verified on every case.
+            ModelError: The planner's model does not answer.
+        """
+        with self._lock:
+            self._go_on()
+            candidate = self.best.replace(texts)
+            if candidate.key == self.best.key:
+                return Outcome(False, "it changes nothing", self.values)
+            if candidate.key not in self._offered:
+                outcome = self._ending(lambda: self._step(candidate, texts, note))
+                self._offered[candidate.key] = outcome
+            return self._offered[candidate.key]
+
+    def _step(self, candidate: Parameters, texts: Texts, note: str) -> Outcome:
+        run = self._run
+        run.ledger.require(*run.limits)
+        before, gradient = run.best, run.gradient()
+        run.emit("step", f"step {run.number}")
+        proposal = Proposal(texts, note)
+        accepted = run.accept([proposal])
+        run.record(accepted, gradient, before)
+        if run.standing.verified:
+            raise EndOfRun(VERIFIED)
+        known = run.evaluate.known(candidate, run.cases)
+        return Outcome(accepted is not None, proposal.rejected, known)
+
+    def _ending(self, work: Any) -> Any:
+        """Work, and remember the reason if the run ends in it."""
+        try:
+            return work()
+        except EndOfRun as end:
+            self._reason = str(end)
+            raise
+
+    def _go_on(self) -> None:
+        if self._reason:
+            raise EndOfRun(self._reason)
+
+    def _model_failed(self, error: Exception) -> None:
+        """Frameworks swallow what a model raises; a model that will never answer ends the run."""
+        problem = explain(error)
+        if getattr(problem, "permanent", False):
+            self._ending(lambda: self._run.stop_if_hopeless(problem))
+
+
+@dataclass(frozen=True)
+class DrivenOptimizer:
+    """An optimizer made of a driver and a session.
+
+    Attributes:
+        driver: Who keeps the loop.
+    """
+
+    driver: Driver
+
+    @property
+    def name(self) -> str:
+        """The driver's name."""
+        return self.driver.name
+
+    @property
+    def needs_lm(self) -> bool:
+        """True if it cannot work without a language model."""
+        return self.driver.needs_lm
+
+    def optimize(
+        self,
+        params: Parameters,
+        loss: Loss,
+        cases: Sequence[Case],
+        *,
+        lm: Any = None,
+        budget: Budget | None = None,
+        seed: int = 0,
+        on_event: OnEvent | None = None,
+        store: RunStore | None = None,
+        ledger: Ledger | None = None,
+        journal: Journal | None = None,
+    ) -> OptimizationResult:
+        """See :class:`vaso.optimizers.base.Optimizer`."""
+        account = ledger or Ledger(budget or Budget())
+        if lm is not None and not hasattr(lm, "on_error"):
+            lm = metered(lm, account, journal)
+        run = Run(self.name, params, loss, cases, lm, account, seed, on_event, store, journal)
+        found = run.load()
+        run.begin(found)
+        try:
+            run.evaluate_start()
+            if run.standing.verified:
+                raise EndOfRun(VERIFIED)
+            session = Session(run)
+            self._drive(run, session)
+            if found:
+                session.offer(found.texts, "the best of the run that was interrupted")
+            reason = f"{self.name} has nothing more to propose"
+        except EndOfRun as end:
+            reason = str(end)
+        except KeyboardInterrupt:
+            reason = INTERRUPTED
+        return run.finish(reason)
+
+    def _drive(self, run: Run, session: Session) -> None:
+        while True:
+            try:
+                self.driver.drive(session)
+            except Exception as error:  # a crash costs a step, never the run
+                session._go_on()
+                problem = explain(error)
+                run.record(None, run.gradient(), run.best, run.failed(problem))
+                run.stop_if_hopeless(problem)
+                run.ledger.require(*run.limits)
+                continue
+            session._go_on()
+            return
