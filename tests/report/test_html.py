@@ -53,7 +53,7 @@ def test_verification_page_tells_the_story():
 
 def test_the_curve_marks_the_violation_and_the_limit():
     page = pages()["climb"]
-    assert page.count('class="dot bad"') == 1
+    assert page.count('class="dot s0 bad"') == 1
     assert 'class="limit"' in page
 
 
@@ -73,9 +73,10 @@ def test_text_of_others_is_escaped_everywhere():
 def test_styles_stay_inside_the_page_s_own_element():
     css = pages()["skill"].split("<style>")[1].split("</style>")[0]
     css = re.sub(r"@media[^{]*\{", "", css)
-    selectors = re.findall(r"([^{}]+)\{[^{}]*\}", css)
+    groups = re.findall(r"([^{}]+)\{[^{}]*\}", css)
+    selectors = [s.strip() for group in groups for s in group.split(",")]
     assert selectors
-    assert all(s.strip().startswith(".vaso") for group in selectors for s in group.split(","))
+    assert all(re.match(r"((\S+ )?\.vaso(-plot|-page)?\b)", s) for s in selectors), selectors
 
 
 def test_element_escapes_text_and_attributes():

@@ -60,7 +60,7 @@ def test_the_page():
         LIVENESS,
     ):
         assert part in text
-    assert page.count('class="dot rejected"') == 1
+    assert page.count('class="dot s0 rejected"') == 1
 
 
 def test_the_page_of_an_unverified_end():

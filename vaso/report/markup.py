@@ -11,6 +11,9 @@ class Markup(str):
 
     __slots__ = ()
 
+    def _repr_html_(self) -> str:
+        return self
+
 
 Child: TypeAlias = "str | int | float | list[Markup] | list[str] | tuple[Markup, ...] | None"
 VOID = {"br", "line", "rect", "circle", "path", "meta", "polyline"}

@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib.resources
 
 from vaso.report.markup import Child, Markup, el, join
+from vaso.report.palette import variables
+from vaso.report.plot import plot_styles
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
@@ -15,15 +17,20 @@ def page(title: str, *content: Child) -> str:
     The styles touch nothing outside the page's own ``vaso`` element, so that a notebook can show
     the page as the output of a cell.
     """
-    css = importlib.resources.files("vaso.report").joinpath("page.css").read_text(encoding="utf-8")
     head = join(
         el("meta", charset="utf-8"),
         el("meta", name="viewport", content="width=device-width, initial-scale=1"),
         el("meta", http_equiv="Content-Security-Policy", content=POLICY),
         el("title", title),
-        el("style", Markup(css)),
+        el("style", Markup(page_styles())),
     )
     body = el("main", *content, cls="vaso")
     return "<!DOCTYPE html>\n" + el(
         "html", el("head", head), el("body", body), lang="en", cls="vaso-page"
     )
+
+
+def page_styles() -> str:
+    """The style sheet of pages and of what they contain."""
+    css = importlib.resources.files("vaso.report").joinpath("page.css").read_text(encoding="utf-8")
+    return variables(".vaso") + css + plot_styles()

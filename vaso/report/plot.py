@@ -1,16 +1,21 @@
-"""A line plot as SVG, drawn by hand so that a page needs no plotting library and no script."""
+"""Plots as SVG, drawn by hand so that a page needs no plotting library and no script."""
 
 from __future__ import annotations
 
-import math
+import importlib.resources
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from itertools import pairwise
 
+from vaso.report.axes import LETTER, RIGHT, Axes, make_axes
+from vaso.report.marks import DASHES, SHAPES, mark
 from vaso.report.markup import Markup, el
+from vaso.report.palette import SERIES, variables
 
-WIDTH, HEIGHT = 640, 220
-LEFT, RIGHT, TOP, BOTTOM = 56, 16, 14, 40
+WIDTH, NARROW, HEIGHT = 640, 340, 230
 MARKED = 60
+FEW = 3
+ROW = 22
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,128 +25,202 @@ class Point:
     Attributes:
         x: Position.
         y: Value.
-        mark: Style of its dot: empty, ``bad`` or ``rejected``.
+        mark: Style of its mark: empty, ``bad`` or ``rejected``.
         title: Text shown when the pointer rests on it.
-        joined: False for points that the curve leaves out.
     """
 
     x: float
     y: float
     mark: str = ""
     title: str = ""
-    joined: bool = True
 
 
 @dataclass(frozen=True, slots=True)
-class Scale:
-    """Maps values to pixels."""
+class Series:
+    """A line of a plot.
 
-    low: float
-    high: float
-    start: float
-    end: float
+    Attributes:
+        points: In order of x.
+        name: For the legend; a series without a name is not in it.
+        style: Which colour, dash and mark, from 0; they repeat where there are more series.
+        stairs: The value stays until the next point, instead of changing evenly.
+        joined: False for marks without a line.
+        marked: Positions of the points that get a mark; all of a few, none of many, where None.
+        band: Lowest and highest value at each point, drawn as an area.
+    """
 
-    def __call__(self, value: float) -> float:
-        """The pixel of a value."""
-        share = (value - self.low) / ((self.high - self.low) or 1.0)
-        return round(self.start + share * (self.end - self.start), 1)
+    points: Sequence[Point]
+    name: str = ""
+    style: int = 0
+    stairs: bool = False
+    joined: bool = True
+    marked: frozenset[int] | None = None
+    band: Sequence[tuple[float, float]] = field(default=())
 
 
-def line_plot(
-    points: Sequence[Point],
+def plot(
+    series: Sequence[Series],
     *,
     x_label: str,
     y_label: str,
+    title: str = "",
+    description: str = "",
     y_range: tuple[float, float] | None = None,
+    x_start: float | None = None,
     percent: bool = False,
     limit: float | None = None,
     whole: bool = False,
+    width: float = WIDTH,
+    height: float = HEIGHT,
 ) -> Markup:
-    """A curve through points.
+    """One or more lines over a common axis, as an ``svg`` element.
 
     Args:
-        points: In order of x.
+        series: The lines; the first one is drawn first.
         x_label: Name of the x axis.
         y_label: Name of the y axis.
+        title: What the plot shows, for people who cannot see it.
+        description: What can be seen in it, for people who cannot see it.
         y_range: Lowest and highest value; from the points where left out.
+        x_start: Where the x axis begins; at the first point where left out.
         percent: Label the y axis in per cent.
         limit: A dashed line at this value.
         whole: Only whole numbers on the x axis.
+        width: In pixels.
+        height: In pixels, without the legend.
     """
-    low, high = y_range or _range([p.y for p in points] + ([limit] if limit is not None else []))
-    first, last = points[0].x, points[-1].x
-    x = Scale(first, last if last > first else first + 1, LEFT, WIDTH - RIGHT)
-    y = Scale(low, high, HEIGHT - BOTTOM, TOP)
-    parts = [*_y_axis(y, percent), *_x_axis(x, whole), *_names(x_label, y_label)]
-    if limit is not None:
-        parts.append(el("line", x1=LEFT, x2=WIDTH - RIGHT, y1=y(limit), y2=y(limit), cls="limit"))
-    curve = " ".join(f"{x(p.x)},{y(p.y)}" for p in points if p.joined)
-    parts.append(el("polyline", points=curve, cls="curve"))
-    parts += [_dot(p, x, y) for p in points if p.mark or len(points) <= MARKED]
-    svg = el(
-        "svg",
-        parts,
-        viewBox=f"0 0 {WIDTH} {HEIGHT}",
-        width=WIDTH,
-        role="img",
-        aria_label=f"{y_label} over {x_label}",
-        cls="plot",
+    rows = _legend_rows(series, width)
+    xs = [p.x for s in series for p in s.points] + ([] if x_start is None else [x_start])
+    span = (min(xs), max(max(xs), min(xs) + 1)) if xs else (0.0, 1.0)
+    axes = make_axes(
+        span,
+        y_range or _y_range(series, limit),
+        size=(width, height),
+        names=(x_label, y_label),
+        percent=percent,
+        whole=whole,
     )
-    return el("div", svg, cls="scroll")
+    content = [*axes.markup, *_limit(limit, axes, width)]
+    opacity = 0.16 if len(series) <= FEW else 0.07
+    content += [part for s in series for part in (*_band(s, axes, opacity), *_line(s, axes))]
+    content += [part for s in series for part in _marks(s, axes)]
+    shifted = el("g", content, transform=f"translate(0 {len(rows) * ROW})")
+    total = height + len(rows) * ROW
+    return el(
+        "svg",
+        el("title", title or f"{y_label} over {x_label}"),
+        el("desc", description) if description else None,
+        [part for n, row in enumerate(rows) for part in _legend_row(row, n * ROW + 15)],
+        shifted,
+        viewBox=f"0 0 {width:g} {total:g}",
+        width=f"{width:g}",
+        role="img",
+        cls="vaso-plot",
+    )
 
 
-def _range(values: list[float]) -> tuple[float, float]:
-    low, high = min(0.0, *values), max(values)
+def line_plot(points: Sequence[Point], **options: object) -> Markup:
+    """A plot of a single line; see :func:`plot`."""
+    return plot([Series(points)], **options)  # type: ignore[arg-type]
+
+
+def plot_styles() -> str:
+    """The style sheet of plots; it touches nothing but them."""
+    css = importlib.resources.files("vaso.report").joinpath("plot.css").read_text(encoding="utf-8")
+    return variables(".vaso-plot") + css
+
+
+def _y_range(series: Sequence[Series], limit: float | None) -> tuple[float, float]:
+    values = [p.y for s in series for p in s.points] + ([] if limit is None else [limit])
+    low, high = min([0.0, *values]), max(values, default=1.0)
     return low, high + (high - low) * 0.12 or 1.0
 
 
-def _dot(point: Point, x: Scale, y: Scale) -> Markup:
-    title = [el("title", point.title)] if point.title else []
-    radius = 4.5 if point.mark else 3
-    center = el("circle", cx=x(point.x), cy=y(point.y), r=radius, cls=f"dot {point.mark}".strip())
-    return el("g", title, center)
+def _limit(limit: float | None, axes: Axes, width: float) -> list[Markup]:
+    if limit is None:
+        return []
+    y = axes.y(limit)
+    return [el("line", x1=axes.x.start, x2=width - RIGHT, y1=y, y2=y, cls="limit")]
 
 
-def _ticks(scale: Scale, count: int) -> list[float]:
-    step = _nice((scale.high - scale.low) / count)
-    first = -(-scale.low // step)
-    ticks = [(first + i) * step for i in range(count + 2)]
-    return [t for t in ticks if t <= scale.high + step * 1e-6]
+def _line(series: Series, axes: Axes) -> list[Markup]:
+    if not series.joined or not series.points:
+        return []
+    path = _path([(p.x, p.y) for p in series.points], axes, series.stairs)
+    return [
+        el("path", d=f"M{path}", cls=f"curve {_colour(series)}", stroke_dasharray=_dash(series))
+    ]
 
 
-def _nice(step: float) -> float:
-    """The next of 1, 2, 5 times a power of ten."""
-    power = 10.0 ** math.floor(math.log10(step))
-    return next(m * power for m in (1, 2, 5, 10) if m * power >= step * (1 - 1e-9))
+def _band(series: Series, axes: Axes, opacity: float) -> list[Markup]:
+    if not series.band:
+        return []
+    xs = [p.x for p in series.points]
+    low, high = ([b[side] for b in series.band] for side in (0, 1))
+    there = _path(list(zip(xs, high, strict=True)), axes, series.stairs)
+    back = _path(list(zip(xs, low, strict=True)), axes, series.stairs, reverse=True)
+    path = f"M{there} L{back} Z"
+    return [el("path", d=path, cls=f"band {_colour(series)}", fill_opacity=opacity)]
 
 
-def _y_axis(y: Scale, percent: bool) -> list[Markup]:
-    parts = []
-    for tick in _ticks(y, 4):
-        label = f"{tick * 100:.0f}%" if percent else f"{tick:.6g}"
-        parts.append(el("line", x1=LEFT, x2=WIDTH - RIGHT, y1=y(tick), y2=y(tick), cls="axis"))
-        parts.append(el("text", label, x=LEFT - 8, y=y(tick) + 4, text_anchor="end", cls="soft"))
+def _path(
+    points: Sequence[tuple[float, float]], axes: Axes, stairs: bool, *, reverse: bool = False
+) -> str:
+    pixels = [(axes.x(x), axes.y(y)) for x, y in points]
+    if stairs:
+        corners = [(b[0], a[1]) for a, b in pairwise(pixels)]
+        pixels = [p for pair in zip(pixels, [*corners, pixels[-1]], strict=True) for p in pair]
+    order = reversed(pixels) if reverse else pixels
+    return " L".join(f"{x:g} {y:g}" for x, y in order)
+
+
+def _marks(series: Series, axes: Axes) -> list[Markup]:
+    few = len(series.points) <= MARKED
+    return [
+        _mark(series, p, axes)
+        for n, p in enumerate(series.points)
+        if p.mark or (n in series.marked if series.marked is not None else few)
+    ]
+
+
+def _mark(series: Series, point: Point, axes: Axes) -> Markup:
+    shape = SHAPES[series.style % len(SHAPES)]
+    size = 4.5 if point.mark else 3.6
+    cls = f"dot {_colour(series)} {point.mark}".strip()
+    drawn = mark(shape, axes.x(point.x), axes.y(point.y), size, cls)
+    return el("g", el("title", point.title), drawn) if point.title else drawn
+
+
+def _colour(series: Series) -> str:
+    return f"s{series.style % SERIES}"
+
+
+def _dash(series: Series) -> str | None:
+    return DASHES[series.style % len(DASHES)] or None
+
+
+def _legend_rows(series: Sequence[Series], width: float) -> list[list[tuple[float, Series]]]:
+    """The named series with their positions, broken into rows."""
+    rows: list[list[tuple[float, Series]]] = []
+    x = width
+    for each in (s for s in series if s.name):
+        wide = 44 + (len(each.name) + 2) * LETTER
+        if not rows or x + wide > width:
+            rows.append([])
+            x = 8.0
+        rows[-1].append((x, each))
+        x += wide
+    return rows
+
+
+def _legend_row(row: Sequence[tuple[float, Series]], y: float) -> list[Markup]:
+    parts: list[Markup] = []
+    for x, series in row:
+        shape, colour = SHAPES[series.style % len(SHAPES)], _colour(series)
+        if series.joined:
+            line = {"x1": x, "x2": x + 34, "y1": y - 4, "y2": y - 4}
+            dash = _dash(series)
+            parts.append(el("line", cls=f"curve {colour}", stroke_dasharray=dash, **line))
+        parts.append(mark(shape, x + 17, y - 4, 3.6, f"dot {colour}"))
+        parts.append(el("text", series.name, x=round(x + 42, 1), y=y))
     return parts
-
-
-def _x_axis(x: Scale, whole: bool) -> list[Markup]:
-    ticks = [t for t in _ticks(x, 8) if not whole or t == int(t)]
-    return [
-        el("text", f"{t:.6g}", x=x(t), y=HEIGHT - BOTTOM + 16, text_anchor="middle", cls="soft")
-        for t in ticks
-    ]
-
-
-def _names(x_label: str, y_label: str) -> list[Markup]:
-    middle = (LEFT + WIDTH - RIGHT) / 2
-    side = (TOP + HEIGHT - BOTTOM) / 2
-    return [
-        el("text", x_label, x=middle, y=HEIGHT - 6, text_anchor="middle", cls="soft"),
-        el(
-            "text",
-            y_label,
-            transform=f"translate(13 {side}) rotate(-90)",
-            text_anchor="middle",
-            cls="soft",
-        ),
-    ]
