@@ -9,15 +9,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 _EXPORTS = {
+    "EditModel": "vaso.modules.edit_model",
     "Planner": "vaso.modules.planner",
     "SkillWriter": "vaso.modules.skill_writer",
     "SymbolicPlanner": "vaso.modules.symbolic",
     "read_quantities": "vaso.modules.quantities",
 }
 
-__all__ = ["Planner", "SkillWriter", "SymbolicPlanner", "read_quantities"]
+__all__ = ["EditModel", "Planner", "SkillWriter", "SymbolicPlanner", "read_quantities"]
 
 if TYPE_CHECKING:
+    from vaso.modules.edit_model import EditModel
     from vaso.modules.planner import Planner
     from vaso.modules.quantities import read_quantities
     from vaso.modules.skill_writer import SkillWriter
