@@ -2,7 +2,7 @@ import logging
 import sys
 import threading
 
-from vaso.optimizers.quiet import quiet
+from vaso.optimizers.quiet import aloud, quiet
 
 
 def test_swallows_prints_and_logs_of_this_thread(capsys, caplog):
@@ -33,3 +33,43 @@ def test_restores_everything_after_an_error(capsys):
     except ValueError:
         pass
     assert sys.stdout is before and log.propagate and log.handlers == []
+
+
+def test_progress_bars_on_stderr(capsys):
+    with quiet("noisy"):
+        print("hidden", file=sys.stderr)
+    print("shown", file=sys.stderr)
+    assert capsys.readouterr() == ("", "shown\n")
+
+
+def test_what_is_not_the_frameworks_may_be_printed(capsys):
+    with quiet("noisy"), quiet("noisy"):
+        print("hidden")
+        with aloud():
+            print("shown")
+        print("hidden")
+    assert capsys.readouterr().out == "shown\n"
+
+
+def test_two_threads_may_overlap(capsys):
+    """The one that began first ends first."""
+    before, first, second = sys.stdout, threading.Event(), threading.Event()
+
+    def late():
+        first.wait()
+        with quiet("noisy"):
+            second.set()
+            done.wait()
+            print("hidden")
+
+    done, thread = threading.Event(), threading.Thread(target=late)
+    thread.start()
+    with quiet("noisy"):
+        first.set()
+        second.wait()
+    print("shown")
+    assert logging.getLogger("noisy").propagate is False
+    done.set()
+    thread.join()
+    assert sys.stdout is before and logging.getLogger("noisy").propagate
+    assert capsys.readouterr().out == "shown\n"
