@@ -84,6 +84,9 @@ class OptimizationResult:
         spent: What it took.
         stop_reason: Why it stopped.
         out: The folder with checkpoint and log, if there is one.
+        before: Loss values of the texts at the start, as far as this run has evaluated them: a
+            resumed run does not do that again.
+        violated_before: Rules that were violated at the start.
     """
 
     optimizer: str
@@ -98,6 +101,8 @@ class OptimizationResult:
     spent: Spent = field(default_factory=Spent)
     stop_reason: str = ""
     out: str | None = None
+    before: Mapping[Case, LossValue] = field(default_factory=dict)
+    violated_before: tuple[str, ...] = ()
 
     def __bool__(self) -> bool:
         """True only if everything is verified."""
@@ -148,6 +153,7 @@ class OptimizationResult:
             "skill": self.initial.origin.name,
             "verified": self.verified,
             "safety_before": self.safety_before,
+            "violated_before": list(self.violated_before),
             "safety": self.safety,
             "completion": self.completion,
             "stop_reason": self.stop_reason,

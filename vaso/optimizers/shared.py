@@ -54,6 +54,7 @@ class Run:
         self.values: dict[Case, LossValue] = {}
         self.history: list[StepRecord] = []
         self.safety_before = 0.0
+        self.violated_before: tuple[str, ...] = ()
         self.failures = 0
         self.limits = {"steps", "loss_calls", "seconds"}
         if lm is not None:
@@ -82,6 +83,7 @@ class Run:
         self.best = self.initial.replace(found.texts)
         self.history = list(found.steps)
         self.safety_before = found.safety_before
+        self.violated_before = found.violated_before
         self.ledger.charge(**Spent(**found.spent).to_json())
         if self.journal is not None:
             self.journal.skip(found.answers)
@@ -102,9 +104,13 @@ class Run:
                 problem = explain(error)
                 self.failed(problem)
                 self.stop_if_hopeless(problem)
+        self._note_start()
+        self._emit_evaluated()
+
+    def _note_start(self) -> None:
         if not self.history:
             self.safety_before = self.standing.safety
-        self._emit_evaluated()
+            self.violated_before = self.standing.violated
 
     # -- candidates ----------------------------------------------------------------------------
 
@@ -221,6 +227,7 @@ class Run:
             fingerprint=fingerprint(self.initial, self.cases),
             texts=dict(self.best),
             safety_before=self.safety_before,
+            violated_before=self.violated_before,
             steps=tuple(self.history),
             spent=self.ledger.spent.to_json(),
             loss=state,
@@ -233,16 +240,17 @@ class Run:
     def finish(self, reason: str) -> OptimizationResult:
         """End the run."""
         standing = self.standing
-        if not self.history:
-            self.safety_before = standing.safety
+        self._note_start()
         complete = getattr(self.loss, "with_system", lambda params, value: value)
         result = OptimizationResult(
             optimizer=self.name,
             params=self.best,
             initial=self.initial,
             values={case: complete(self.best, value) for case, value in self.values.items()},
+            before=self.evaluate.known(self.initial, self.cases),
             verified=standing.verified,
             safety_before=self.safety_before,
+            violated_before=self.violated_before,
             safety=standing.safety,
             completion=standing.completion,
             steps=tuple(self.history),

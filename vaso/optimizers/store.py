@@ -32,6 +32,7 @@ class Checkpoint(BaseModel):
         fingerprint: Hash of what the run was started on.
         texts: The best texts.
         safety_before: Mean safety at the start.
+        violated_before: Rules that were violated at the start.
         steps: The steps so far.
         spent: What was spent so far.
         loss: State of the loss, such as the plans that it has drawn.
@@ -45,6 +46,7 @@ class Checkpoint(BaseModel):
     fingerprint: str
     texts: dict[str, str]
     safety_before: float
+    violated_before: tuple[str, ...] = ()
     steps: tuple[StepRecord, ...] = ()
     spent: dict[str, Any] = Field(default_factory=dict)
     loss: dict[str, Any] = Field(default_factory=dict)
