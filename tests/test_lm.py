@@ -1,4 +1,3 @@
-import copy
 import sys
 from pathlib import Path
 
@@ -7,12 +6,10 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 import dspy
-from openai_server import Drop, Hang, OpenAIServer, Raw, Status
+from openai_server import Drop, OpenAIServer, Raw, Status
 
 from vaso.errors import ModelError
 from vaso.lm import explain, get_lm
-from vaso.optimizers.budget import Budget, BudgetExhausted, Ledger
-from vaso.optimizers.metering import metered
 
 VARIABLES = ("VASO_LM", "VASO_API_BASE", "OPENAI_API_BASE", "OPENAI_BASE_URL", "OPENAI_API_KEY")
 
@@ -97,70 +94,3 @@ def test_other_errors_are_left_alone():
     assert explain(error) is error
     own = ModelError("own")
     assert explain(own) is own
-
-
-# -- metering -----------------------------------------------------------------------------------
-
-
-def test_calls_and_tokens_are_charged(server):
-    ledger, lm = Ledger(Budget(lm_calls=2)), server.lm()
-    meter = metered(lm, ledger)
-    assert isinstance(meter, dspy.LM)
-    assert meter("one two three") == meter("four") == ["hello"]
-    spent = ledger.spent
-    assert (spent.lm_calls, spent.prompt_tokens, spent.completion_tokens) == (2, 4, 2)
-    with pytest.raises(BudgetExhausted, match="2 lm calls"):
-        meter("five")
-    assert len(server.requests) == 2 and len(lm.history) == 2
-
-
-def test_dspy_programs_copies_and_trackers_work(server):
-    server.default = "[[ ## answer ## ]]\n42\n\n[[ ## completed ## ]]"
-    ledger = Ledger(Budget())
-    meter = metered(server.lm(), ledger)
-    program = dspy.Predict("question -> answer")
-    with dspy.context(lm=meter), dspy.track_usage() as tracker:
-        assert program(question="?").answer == "42"
-    assert tracker.get_total_tokens()["openai/test"]["completion_tokens"] > 0
-    copy.deepcopy(meter)("again")
-    meter.copy(temperature=0.5)("again")
-    assert ledger.spent.lm_calls == 3
-
-
-async def _ask(meter):
-    return await meter.acall("hi")
-
-
-def test_asynchronous_calls_are_charged(server):
-    import asyncio
-
-    ledger = Ledger(Budget(lm_calls=1))
-    meter = metered(server.lm(), ledger)
-    assert asyncio.run(_ask(meter)) == ["hello"]
-    with pytest.raises(BudgetExhausted):
-        asyncio.run(_ask(meter))
-
-
-def test_an_answer_from_the_cache_costs_no_tokens(server):
-    import uuid
-
-    lm, prompt = server.lm(cache=True), f"cached {uuid.uuid4()}"
-    assert lm(prompt) == ["hello"]
-    ledger = Ledger(Budget())
-    assert metered(lm, ledger)(prompt) == ["hello"]
-    assert ledger.spent.tokens == 0 and len(server.requests) == 1
-
-
-def test_a_failed_call_counts(server):
-    server.default = Status(500)
-    ledger = Ledger(Budget())
-    assert isinstance(failure(metered(server.lm(), ledger)), ModelError)
-    assert ledger.spent.lm_calls == 1
-
-
-def test_a_hanging_server_is_left_when_the_time_is_up(server):
-    server.default = Hang(20, "late")
-    ledger = Ledger(Budget(seconds=1))
-    with pytest.raises(BudgetExhausted, match="seconds"):
-        metered(server.lm(), ledger)("hi")
-    assert ledger.spent.seconds < 10

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextvars
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from contextlib import ExitStack
 from typing import Any, TypeVar
 
@@ -57,7 +58,7 @@ class _Metered:
         with _Accounting(self, args, kwargs) as accounting:
             if accounting.answer is not None:
                 return accounting.answer
-            return accounting.keep(await call(*args, **kwargs))
+            return accounting.keep(await _within_async(call(*args, **kwargs), self._ledger))
 
     def update_history(self, entry: dict[str, Any]) -> None:
         """Charge the price, where dspy knows it and the answer is not from the cache."""
@@ -96,9 +97,7 @@ class _Accounting:
             self.lm._ledger.charge(cost=found.cost or 0.0)
             self.answer = found.outputs
             return self
-        dspy = import_dspy()
-        self._outer = dspy.settings.usage_tracker
-        self._tracker = self._stack.enter_context(dspy.track_usage())
+        self._tracker = self._stack.enter_context(import_dspy().track_usage())
         token = _current.set(self)
         self._stack.callback(_current.reset, token)
         return self
@@ -114,9 +113,6 @@ class _Accounting:
             return
         used = self._tracker.get_total_tokens()
         self._charge(used)
-        if self._outer is not None:
-            for model, usage in used.items():
-                self._outer.add_usage(model, usage)
         if self._key and self._kept is not None:
             usage = next(iter(used.values()), {})
             self.lm._journal.add(_answer(self._key, self._kept, usage, self.cost))
@@ -144,6 +140,14 @@ def _key(lm: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> str | None:
 
 def _answer(key: str, outputs: list[Any], usage: dict[str, Any], cost: float) -> Answer:
     return Answer(key=key, outputs=outputs, usage=usage, cost=cost or None)
+
+
+async def _within_async(call: Coroutine[Any, Any, T], ledger: Ledger) -> T:
+    try:
+        return await asyncio.wait_for(call, ledger.seconds_left())
+    except TimeoutError:
+        ledger.require("seconds")
+        raise
 
 
 def _within(call: Callable[[], T], ledger: Ledger) -> T:

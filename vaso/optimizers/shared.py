@@ -93,7 +93,7 @@ class Run:
     def evaluate_start(self) -> None:
         """Evaluate the texts to start from. A model that fails is asked again a few times."""
         evaluate = self.evaluate.again if self.history else self.evaluate
-        while not self.values:
+        while len(self.values) < len(self.cases):
             try:
                 for case in self.cases:
                     self.values[case] = evaluate(self.best, case)
