@@ -128,6 +128,7 @@ class State:
         rng: The step's source of randomness.
         lm: The language model, already metered against the budget, or None.
         evaluate: The memoised loss.
+        seed: The run's seed.
     """
 
     step: int
@@ -137,6 +138,7 @@ class State:
     rng: random.Random
     lm: Any
     evaluate: Loss
+    seed: int = 0
 
     @property
     def failing(self) -> list[tuple[Case, LossValue]]:

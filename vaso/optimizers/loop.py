@@ -125,4 +125,5 @@ class _Loop:
             random.Random(f"{run.seed}:{run.number}"),
             run.lm,
             run.evaluate,
+            run.seed,
         )

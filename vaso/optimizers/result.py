@@ -83,6 +83,8 @@ class OptimizationResult:
         steps: What each step did.
         spent: What it took.
         stop_reason: Why it stopped.
+        error: What kept it from going on (a model that does not answer, an optimizer that fails
+            again and again); empty where it came to an end of its own.
         out: The folder with checkpoint and log, if there is one.
         before: Loss values of the texts at the start, as far as this run has evaluated them: a
             resumed run does not do that again.
@@ -100,6 +102,7 @@ class OptimizationResult:
     steps: tuple[StepRecord, ...] = ()
     spent: Spent = field(default_factory=Spent)
     stop_reason: str = ""
+    error: str = ""
     out: str | None = None
     before: Mapping[Case, LossValue] = field(default_factory=dict)
     violated_before: tuple[str, ...] = ()
@@ -157,6 +160,7 @@ class OptimizationResult:
             "safety": self.safety,
             "completion": self.completion,
             "stop_reason": self.stop_reason,
+            "error": self.error,
             "texts": dict(self.params),
             "diff": self.diff,
             "steps": [s.model_dump(mode="json") for s in self.steps],

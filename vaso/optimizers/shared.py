@@ -7,9 +7,7 @@ what was accepted is on disk before the next step begins.
 
 from __future__ import annotations
 
-import contextvars
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 from vaso.errors import ModelError, VasoError
@@ -22,10 +20,10 @@ from vaso.optimizers.journal import Journal
 from vaso.optimizers.parameters import Parameters
 from vaso.optimizers.result import OptimizationResult, StepRecord, Tried
 from vaso.optimizers.store import Checkpoint, RunStore, fingerprint
+from vaso.optimizers.threads import in_threads
 
 MAX_FAILURES = 3
 KEPT_TRIES = 20
-MAX_PARALLEL = 4
 VERIFIED = "every task is verified"
 INTERRUPTED = "it was interrupted"
 
@@ -56,6 +54,7 @@ class Run:
         self.safety_before = 0.0
         self.violated_before: tuple[str, ...] = ()
         self.failures = 0
+        self.error = ""
         self.limits = {"steps", "loss_calls", "seconds"}
         if lm is not None:
             self.limits |= {"lm_calls", "tokens", "cost"}
@@ -145,11 +144,8 @@ class Run:
     ) -> list[tuple[Proposal, str | None, dict[Case, LossValue]]]:
         if len(proposals) == 1:
             return [(proposals[0], *self._judge(proposals[0]))]
-        with ThreadPoolExecutor(MAX_PARALLEL) as pool:
-            judging = [
-                pool.submit(contextvars.copy_context().run, self._judge, p) for p in proposals
-            ]
-            return [(p, *one.result()) for p, one in zip(proposals, judging, strict=True)]
+        judged = in_threads(self._judge, proposals)
+        return [(p, *outcome) for p, outcome in zip(proposals, judged, strict=True)]
 
     def _judge(self, proposal: Proposal) -> tuple[str | None, dict[Case, LossValue]]:
         candidate = self.best.replace(proposal.texts)
@@ -256,6 +252,7 @@ class Run:
             steps=tuple(self.history),
             spent=self.ledger.spent,
             stop_reason=reason,
+            error=self.error,
             out=str(self.store.folder) if self.store else None,
         )
         self._save(new_skill=True)
@@ -295,10 +292,12 @@ class Run:
             EndOfRun: It is hopeless.
         """
         if isinstance(error, ModelError) and error.permanent:
-            raise EndOfRun(describe(error)) from error
-        if self.failures >= MAX_FAILURES:
+            self.error = describe(error)
+        elif self.failures >= MAX_FAILURES:
             count = f"it failed {self.failures} times in a row"
-            raise EndOfRun(f"{count}; the last time: {describe(error)}") from error
+            self.error = f"{count}; the last time: {describe(error)}"
+        if self.error:
+            raise EndOfRun(self.error) from error
 
     def emit(self, kind: EventKind, message: str, **data: Any) -> None:
         """Log an event and tell the listener."""
