@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vaso.optimizers.adalflow_parts import TextParameter, TolerantParser
+from vaso.optimizers.adalflow_parts import TolerantParser
 
 CODE = "if a < 1 && b:\n    stop()\n"
 
@@ -62,11 +62,3 @@ def test_never_raises(reply):
 def test_code_survives(lines):
     code = "\n".join(["a < b & c", *lines])
     assert proposal(f"<response><proposed_variable>{code}</proposed_variable></response>") == code
-
-
-def test_gradients_keep_their_order():
-    text = TextParameter(name="plan_template", data="x", role_desc="a text")
-    text.gradients.add("second")
-    text.gradients.add("first")
-    text.sort_gradients()
-    assert list(text.gradients) == ["second", "first"]

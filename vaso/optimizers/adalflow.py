@@ -6,7 +6,7 @@ shared loop's decision, with the verifier as judge.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -15,20 +15,17 @@ from vaso.errors import ModelError
 from vaso.lm import explain
 from vaso.optimizers.adalflow_setup import (
     CharacterCount,
+    caches_in,
     import_adalflow,
-    private_home,
     require_adalflow,
+    temporary_folder,
 )
 from vaso.optimizers.base import Case, LossValue, Proposal, State
-from vaso.optimizers.budget import BudgetExhausted
-from vaso.optimizers.parameters import ROLES
 from vaso.optimizers.propose_check import fresh
 from vaso.optimizers.quiet import quiet
 
 if TYPE_CHECKING:
-    from vaso.optimizers.adalflow_parts import DspyClient, TextOptimizer
-
-WHOLE_TEXT = "Give the whole new value, ready to be used: Python source or LTL formulas alone."
+    from vaso.optimizers.adalflow_parts import TextOptimizer
 
 
 @dataclass(frozen=True)
@@ -59,7 +56,7 @@ class AutoDiff:
         """
         import_adalflow()
         with ExitStack() as stack:
-            step = _Step(state, stack.enter_context(private_home()))
+            step = _Step(state, stack.enter_context(temporary_folder()))
             stack.callback(step.close)
             step.backward(self._sample(state))
             for _ in range(self.max_proposals):
@@ -82,20 +79,21 @@ class _Step:
     def __init__(self, state: State, home: str) -> None:
         from adalflow.core.generator import BackwardEngine
 
-        from vaso.optimizers import adalflow_parts as parts
+        from vaso.modules import adalflow as graph
 
         self.state = state
-        self.cases = {str(i): case for i, case in enumerate(state.values)}
-        self.client: DspyClient = parts.DspyClient(lambda n: fresh(state.lm, state, n))
+        self.client = graph.DspyClient(nth=lambda n: fresh(state.lm, state, n))
         model = {"model_client": self.client, "model_kwargs": {"model": "dspy"}}
-        with quiet("adalflow"):
-            self.texts = _parameters(state)
-            self.engine: Any = BackwardEngine(**model, cache_path=home, use_cache=False)
-            self.planner = parts.PlanComponent(self._plan, self.engine)
-            self.loss = parts.VerifierLoss(self._score)
-            self.optimizer: TextOptimizer = parts.TextOptimizer(self.texts, **_renamed(model))
-        for generator in (self.engine, self.optimizer.llm_optimizer):
-            generator._tokenizer = CharacterCount()
+        with quiet("adalflow"), caches_in(home):
+            self.engine: Any = BackwardEngine(**model, use_cache=False)
+            self.skill = graph.SkillComponent(
+                state.params.skill, trainable=state.params.trainable, evaluate=self._value
+            )
+            self.skill.set_backward_engine(self.engine)
+            self.loss = graph.VerifierLoss()
+            self.optimizer: TextOptimizer = graph.TextOptimizer(self.skill.parameters(), **model)
+        self.texts: list[Any] = list(self.skill.parameters())
+        self.engine._tokenizer = CharacterCount()
         self._take_up_history()
 
     def close(self) -> None:
@@ -103,29 +101,18 @@ class _Step:
         for generator in (self.engine, self.optimizer.llm_optimizer):
             generator.cache.close()
 
-    # -- forward -------------------------------------------------------------------------------
-
-    def _value(self, case: str, texts: dict[str, str] | None = None) -> LossValue:
-        return self.state.evaluate(self.state.params.replace(texts or {}), self.cases[case])
-
-    def _plan(self, case: str, texts: dict[str, str]) -> str:
-        return self._value(case, texts).plan
-
-    def _score(self, case: str) -> float:
-        return self._value(case).score
+    def _value(self, texts: Mapping[str, str], case: Case) -> LossValue:
+        return self.state.evaluate(self.state.params.replace(texts), case)
 
     # -- backward ------------------------------------------------------------------------------
 
     def backward(self, sample: list[tuple[Case, LossValue]]) -> None:
         """Forward and backward pass for some cases."""
-        ids = {case: number for number, case in self.cases.items()}
-        for case, value in sample:
-            verdict = _verdict(value)
+        for number, (case, _) in enumerate(sample):
             try:
                 with quiet("adalflow"):
-                    given = {p.name: p for p in (*self.texts, *_given(case, self.state))}
-                    plan = self.planner.forward(id=ids[case], **given)
-                    self.loss.evaluate(plan, ids[case], verdict).backward()
+                    plan = self.skill.forward(case.task, id=str(number))
+                    self.loss.forward({"plan": plan}).backward()
             except ValueError:  # AdalFlow's word for status 429
                 self._raise_if_hopeless(give_up=True)
                 raise
@@ -160,7 +147,7 @@ class _Step:
         """Raise what AdalFlow swallowed, where going on is pointless."""
         for error in map(explain, self.client.errors):
             permanent = isinstance(error, ModelError) and error.permanent
-            if give_up or permanent or isinstance(error, BudgetExhausted):
+            if give_up or permanent:
                 raise error
 
     def _take_up_history(self) -> None:
@@ -174,48 +161,3 @@ class _Step:
         accepted = [r.step for r in self.state.history if r.accepted]
         since = self.state.step - 1 - (accepted[-1] if accepted else 0)
         self.optimizer.steps_from_last_improvement = since
-
-
-def _parameters(state: State) -> list[Any]:
-    """The texts as AdalFlow parameters that know each other as peers."""
-    from vaso.optimizers.adalflow_parts import TextParameter
-
-    texts = [
-        TextParameter(
-            name=name,
-            data=text,
-            role_desc=ROLES[name],  # type: ignore[index]
-            requires_opt=name in state.params.trainable,
-            instruction_to_optimizer=WHOLE_TEXT,
-        )
-        for name, text in state.params.items()
-    ]
-    for text in texts:
-        text.peers = [p for p in texts if p is not text]  # a set would change order from run to run
-    return texts
-
-
-def _given(case: Case, state: State) -> list[Any]:
-    """What a planner gets besides the texts: the task, and the rules that never change."""
-    import adalflow as adal
-
-    rules = "\n".join(r.text for r in state.params.origin.global_rules)
-    given = [("task", "What the robot shall do", case.task), ("rules", "Global rules", rules)]
-    return [
-        adal.Parameter(
-            name=name,
-            role_desc=role,
-            data=data,
-            requires_opt=False,
-            param_type=adal.ParameterType.INPUT,
-        )
-        for name, role, data in given
-    ]
-
-
-def _renamed(model: dict[str, Any]) -> dict[str, Any]:
-    return {"client": model["model_client"], "model_kwargs": model["model_kwargs"]}
-
-
-def _verdict(value: LossValue) -> str:
-    return value.error or str(value.gradient)

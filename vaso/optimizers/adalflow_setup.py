@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import os
 import tempfile
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +17,8 @@ from vaso.optimizers.quiet import quiet
 
 EXTRA = "adalflow"
 TOKENIZERS = "TIKTOKEN_CACHE_DIR"
+
+_root = threading.RLock()
 
 
 def require_adalflow() -> None:
@@ -59,15 +62,20 @@ def _tokenizers() -> Path | None:
     return None
 
 
+def temporary_folder() -> tempfile.TemporaryDirectory[str]:
+    """A folder in place of ``~/.adalflow``, where generators and trainers put their files."""
+    return tempfile.TemporaryDirectory(prefix="vaso-adalflow-", ignore_cleanup_errors=True)
+
+
 @contextmanager
-def private_home() -> Iterator[str]:
-    """A temporary folder in place of ``~/.adalflow``, where generators put their caches."""
+def caches_in(folder: str) -> Iterator[None]:
+    """Generators that are made meanwhile put their caches into a folder."""
     generator: Any = importlib.import_module("adalflow.core.generator")
-    before = generator.get_adalflow_default_root_path
-    with tempfile.TemporaryDirectory(prefix="vaso-adalflow-", ignore_cleanup_errors=True) as home:
-        generator.get_adalflow_default_root_path = lambda: home
+    with _root:
+        before = generator.get_adalflow_default_root_path
+        generator.get_adalflow_default_root_path = lambda: folder
         try:
-            yield home
+            yield
         finally:
             generator.get_adalflow_default_root_path = before
 
