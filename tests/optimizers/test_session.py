@@ -8,6 +8,7 @@ import pytest
 from fakes import CASES, SKILL, FakeLoss, template
 from openai_server import Status
 
+from vaso.errors import ModelError
 from vaso.optimizers import EndOfRun, RunStore, get_optimizer
 from vaso.optimizers.budget import Budget
 from vaso.optimizers.parameters import Parameters
@@ -160,6 +161,44 @@ def test_a_driver_that_always_crashes_ends():
 
     _, result = run(work)
     assert len(result.steps) == 3 and "3 times in a row" in result.stop_reason
+
+
+def test_a_driver_that_survives_an_error_notes_it_as_a_step_and_goes_on():
+    def work(session, note):
+        session.failed(ModelError("busy"))
+        session.offer({"plan_template": template(0.7)})
+        session.failed(ModelError("busy"))
+        session.failed(ModelError("busy"))
+        note("still there")
+        session.failed(ModelError("busy"))
+
+    driver, result = run(work)
+    assert [s.error for s in result.steps] == ["busy", "", "busy", "busy", "busy"]
+    assert driver.outcomes == ["still there"] and len(driver.sessions) == 1
+    assert "3 times in a row" in result.stop_reason and result.safety == 0.7
+
+
+def test_a_driver_that_only_repeats_itself_ends():
+    def work(session, note):
+        while True:
+            session.offer({"plan_template": template(0.4)})
+            session.offer({"plan_template": template(0.5)})
+
+    _, result = run(work)
+    assert len(result.steps) == 1 and "nothing new to propose" in result.stop_reason
+
+
+def test_what_the_last_question_was_paid_for_is_judged(server):
+    server.default = template(0.7)
+
+    def work(session, note):
+        while True:
+            [answer] = session.lm("a question")
+            session.offer({"plan_template": answer})
+
+    _, result = run(work, lm=server.lm(), budget=Budget(lm_calls=1))
+    assert result.safety == 0.7 and "1 lm calls" in result.stop_reason
+    assert len(server.requests) == 1
 
 
 def test_an_interrupt_keeps_the_best():

@@ -24,6 +24,8 @@ from vaso.optimizers.shared import INTERRUPTED, VERIFIED, Run
 from vaso.optimizers.store import RunStore
 
 Texts = Mapping[str, str]
+MAX_REPEATS = 20
+"""Candidates in a row that had all been offered before, after which a run is over."""
 
 
 class Driver(Protocol):
@@ -84,6 +86,7 @@ class Session:
         self._lock = threading.RLock()
         self._reason = ""
         self._offered: dict[str, Outcome] = {}
+        self._repeats = 0
         self.initial, self.cases, self.seed = run.initial, run.cases, run.seed
         self.rng = random.Random(f"{run.seed}")
         self.lm = run.lm
@@ -133,7 +136,8 @@ class Session:
     def offer(self, texts: Texts, note: str = "") -> Outcome:
         """Make one step: put a candidate to the test, and accept or reject it.
 
-        A candidate that was offered before has the same outcome, and is not a step.
+        A candidate that was offered before has the same outcome, and is not a step; a driver that
+        offers nothing else any more is at its end.
 
         Args:
             texts: Texts by name; those that are left out are as in the best so far.
@@ -147,15 +151,33 @@ class Session:
             self._go_on()
             candidate = self.best.replace(texts)
             if candidate.key == self.best.key:
+                self._ending(self._repeat)
                 return Outcome(False, "it changes nothing", self.values)
-            if candidate.key not in self._offered:
+            if candidate.key in self._offered:
+                self._ending(self._repeat)
+            else:
+                self._repeats = 0
                 outcome = self._ending(lambda: self._step(candidate, texts, note))
                 self._offered[candidate.key] = outcome
             return self._offered[candidate.key]
 
+    def failed(self, error: Exception) -> None:
+        """Make one step of an error that the driver survives, such as a model that fails.
+
+        Args:
+            error: The error.
+
+        Raises:
+            EndOfRun: The run is over: the budget is spent, trying again cannot help, or there were
+                too many errors in a row.
+        """
+        with self._lock:
+            self._go_on()
+            self._ending(lambda: self._failed_step(error))
+
     def _step(self, candidate: Parameters, texts: Texts, note: str) -> Outcome:
         run = self._run
-        run.ledger.require(*run.limits)
+        run.ledger.require("steps", "loss_calls", "seconds")  # what was asked for is paid for
         before, gradient = run.best, run.gradient()
         run.emit("step", f"step {run.number}")
         proposal = Proposal(texts, note)
@@ -163,8 +185,24 @@ class Session:
         run.record(accepted, gradient, before)
         if run.standing.verified:
             raise EndOfRun(VERIFIED)
+        run.ledger.require(*run.limits)
         known = run.evaluate.known(candidate, run.cases)
         return Outcome(accepted is not None, proposal.rejected, known)
+
+    def _failed_step(self, error: Exception) -> None:
+        run = self._run
+        problem = explain(error)
+        run.record(None, run.gradient(), run.best, run.failed(problem))
+        run.stop_if_hopeless(problem)
+        run.ledger.require(*run.limits)
+
+    def _repeat(self) -> None:
+        self._repeats += 1
+        if self._repeats >= MAX_REPEATS:
+            raise EndOfRun(
+                f"{self._run.name} has nothing new to propose: its last {MAX_REPEATS} candidates "
+                "had all been judged before"
+            )
 
     def _ending(self, work: Any) -> Any:
         """Work, and remember the reason if the run ends in it."""
@@ -231,7 +269,7 @@ class DrivenOptimizer:
             if run.standing.verified:
                 raise EndOfRun(VERIFIED)
             session = Session(run)
-            self._drive(run, session)
+            self._drive(session)
             if found:
                 session.offer(found.texts, "the best of the run that was interrupted")
             reason = f"{self.name} has nothing more to propose"
@@ -241,16 +279,12 @@ class DrivenOptimizer:
             reason = INTERRUPTED
         return run.finish(reason)
 
-    def _drive(self, run: Run, session: Session) -> None:
+    def _drive(self, session: Session) -> None:
         while True:
             try:
                 self.driver.drive(session)
             except Exception as error:  # a crash costs a step, never the run
-                session._go_on()
-                problem = explain(error)
-                run.record(None, run.gradient(), run.best, run.failed(problem))
-                run.stop_if_hopeless(problem)
-                run.ledger.require(*run.limits)
+                session.failed(error)
                 continue
             session._go_on()
             return
