@@ -85,3 +85,44 @@ def test_a_planner_whose_model_is_down_is_told(server):
     result = optimize(server, [], planner=Planner())
     assert not result.verified and "overloaded" in result.stop_reason
     assert result.skill == DRIVE
+
+
+def test_candidates_are_asked_for_and_judged_together(server):
+    """Both calls are under way at the same time; the better candidate is taken."""
+    import threading
+
+    both = threading.Barrier(2, timeout=20)
+    replies = iter([reply(STOPS), reply(GOOD)])
+
+    def model(request):
+        both.wait()
+        return next(replies)
+
+    server.default = model
+    result = optimize(server, [], candidates=2)
+    assert_really_verified(result)
+    assert len(result.steps) == 1 and len(server.requests) == 2
+    assert "given up" in result.steps[0].tried[0].reason
+
+
+def test_of_equally_good_candidates_one_is_taken(server):
+    result = optimize(server, [reply(GOOD)] * 4, candidates=4)
+    assert_really_verified(result)
+    assert [t.reason for t in result.steps[0].tried] == [
+        "another candidate of the same step is at least as good"
+    ] * 3
+    assert result.spent.loss_calls == 2 * len(TASKS), "equal texts are judged once"
+
+
+def test_an_error_among_candidates_does_not_cost_the_others(server):
+    result = optimize(server, [Status(500), reply(GOOD)], candidates=2)
+    assert_really_verified(result)
+    assert len(result.steps) == 1
+
+
+@pytest.mark.parametrize(("optimizer", "count"), [("repair", 2), ("loop", 0), ("loop", -1)])
+def test_candidates_that_make_no_sense(server, optimizer, count):
+    from vaso.errors import OptimizerError
+
+    with pytest.raises(OptimizerError, match="candidate"):
+        vaso.optimize(DRIVE, TASKS, optimizer=optimizer, lm=server.lm(), candidates=count)

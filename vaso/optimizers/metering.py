@@ -114,7 +114,7 @@ class _Accounting:
         used = self._tracker.get_total_tokens()
         self._charge(used)
         if self._key and self._kept is not None:
-            usage = next(iter(used.values()), {})
+            usage: dict[str, Any] = next(iter(used.values()), {})
             self.lm._journal.add(_answer(self._key, self._kept, usage, self.cost))
         if isinstance(error, Exception) and self.lm.on_error is not None:
             self.lm.on_error(error)

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vaso.errors import OptimizerError
-from vaso.optimizers.base import Optimizer, Proposer
-from vaso.optimizers.loop import LoopOptimizer
-from vaso.optimizers.session import DrivenOptimizer, Driver
+
+if TYPE_CHECKING:
+    from vaso.optimizers.base import Optimizer, Proposer
+    from vaso.optimizers.session import Driver
 
 Factory = Callable[[], Any]
 
@@ -50,14 +52,39 @@ def get_optimizer(optimizer: str | Optimizer | Proposer | Driver) -> Optimizer:
     if hasattr(found, "optimize"):
         return found  # type: ignore[no-any-return]
     if hasattr(found, "propose"):
+        from vaso.optimizers.loop import LoopOptimizer
+
         return LoopOptimizer(found)
     if hasattr(found, "drive"):
+        from vaso.optimizers.session import DrivenOptimizer
+
         return DrivenOptimizer(found)
     raise OptimizerError(
         f"{optimizer!r} is not an optimizer",
         expected=f"one of {', '.join(optimizers())}, "
         "or an object with a method 'propose', 'drive' or 'optimize'",
     )
+
+
+def with_candidates(optimizer: Optimizer, candidates: int) -> Optimizer:
+    """The optimizer, asking for several candidates at the same time.
+
+    Raises:
+        OptimizerError: It takes one after the other, or the number is not positive.
+    """
+    if candidates < 1:
+        raise OptimizerError(f"{candidates} candidates a step", expected="a number of at least 1")
+    loop: Any = optimizer
+    proposer: Any = getattr(loop, "proposer", None)
+    if hasattr(proposer, "together"):
+        wider = replace(proposer, together=candidates)
+        return replace(loop, proposer=wider)  # type: ignore[no-any-return]
+    if candidates > 1:
+        raise OptimizerError(
+            f"the optimizer '{optimizer.name}' takes one candidate after the other",
+            hint="leave out the number of candidates, or use the optimizer 'loop'",
+        )
+    return optimizer
 
 
 def _make(name: str) -> Any:

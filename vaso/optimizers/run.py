@@ -18,7 +18,7 @@ from vaso.optimizers.loop import LoopOptimizer
 from vaso.optimizers.loss import Planner, SkillLoss
 from vaso.optimizers.metering import metered
 from vaso.optimizers.parameters import DEFAULT_TRAINABLE, Parameters
-from vaso.optimizers.registry import get_optimizer
+from vaso.optimizers.registry import get_optimizer, with_candidates
 from vaso.optimizers.result import OptimizationResult
 from vaso.optimizers.session import DrivenOptimizer, Driver
 from vaso.optimizers.store import RunStore
@@ -41,6 +41,7 @@ def optimize(
     out: str | Path | None = None,
     resume: bool = False,
     budget: Budget | int | dict[str, Any] | None = None,
+    candidates: int | None = None,
     seed: int = 0,
     on_event: OnEvent | None = None,
 ) -> OptimizationResult:
@@ -61,6 +62,8 @@ def optimize(
         out: A folder for checkpoint, event log, the models' answers, result and the best skill.
         resume: Go on with the run in ``out``; what its models answered is not asked again.
         budget: What may be spent; a number is a number of steps.
+        candidates: How many candidates are asked for and evaluated at the same time, for
+            optimizers that can (``loop``); the best acceptable one is taken.
         seed: Seed of everything random.
         on_event: Called with every :class:`~vaso.optimizers.events.Event`.
 
@@ -80,6 +83,8 @@ def optimize(
     if not cases:
         raise OptimizerError("there are no tasks to optimize on", hint="give tasks=[…]")
     chosen = get_optimizer(optimizer)
+    if candidates is not None:
+        chosen = with_candidates(chosen, candidates)
     ledger = Ledger(Budget.of(budget))
     store = RunStore(out, resume=resume) if out is not None else None
     journal = store.journal() if store else None

@@ -142,8 +142,6 @@ class Run:
     def _judge_all(
         self, proposals: Sequence[Proposal]
     ) -> list[tuple[Proposal, str | None, dict[Case, LossValue]]]:
-        if len(proposals) == 1:
-            return [(proposals[0], *self._judge(proposals[0]))]
         judged = in_threads(self._judge, proposals)
         return [(p, *outcome) for p, outcome in zip(proposals, judged, strict=True)]
 
