@@ -5,9 +5,10 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import os
+import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from vaso.optimizers.quiet import quiet
 
 EXTRA = "adalflow"
 TOKENIZERS = "TIKTOKEN_CACHE_DIR"
+TELEMETRY = "MLFLOW_DISABLE_TELEMETRY"
 
 _root = threading.RLock()
 
@@ -36,29 +38,36 @@ def import_adalflow() -> None:
     """Import AdalFlow.
 
     On import it builds a tokenizer, which tiktoken would download; litellm, which comes with dspy,
-    has it on board.
+    has it on board. It also imports MLflow where that is installed, which would call home.
 
     Raises:
         MissingDependencyError: It is not installed.
     """
     require_adalflow()
-    before = os.environ.get(TOKENIZERS)
-    if before is None and (folder := _tokenizers()):
-        os.environ[TOKENIZERS] = str(folder)
+    if "adalflow" in sys.modules:
+        return
+    with _environment({TOKENIZERS: _tokenizers(), TELEMETRY: "true"}), quiet("adalflow"):
+        importlib.import_module("adalflow")
+
+
+@contextmanager
+def _environment(variables: Mapping[str, str | None]) -> Iterator[None]:
+    """Set those variables that are not set."""
+    new = {n: v for n, v in variables.items() if v is not None and n not in os.environ}
+    os.environ.update(new)
     try:
-        with quiet("adalflow"):
-            importlib.import_module("adalflow")
+        yield
     finally:
-        if before is None:
-            os.environ.pop(TOKENIZERS, None)
+        for name in new:
+            os.environ.pop(name, None)
 
 
-def _tokenizers() -> Path | None:
+def _tokenizers() -> str | None:
     spec = importlib.util.find_spec("litellm")
     for place in (spec.submodule_search_locations or []) if spec else []:
         folder = Path(place) / "litellm_core_utils" / "tokenizers"
         if folder.is_dir():
-            return folder
+            return str(folder)
     return None
 
 
