@@ -18,14 +18,13 @@ from vaso.optimizers.loop import LoopOptimizer
 from vaso.optimizers.loss import Planner, SkillLoss
 from vaso.optimizers.metering import metered
 from vaso.optimizers.parameters import DEFAULT_TRAINABLE, Parameters
+from vaso.optimizers.prompts import task_prompts
 from vaso.optimizers.registry import get_optimizer, with_candidates
 from vaso.optimizers.result import OptimizationResult
 from vaso.optimizers.session import DrivenOptimizer, Driver
 from vaso.optimizers.store import RunStore
 from vaso.skill import ParameterName, Skill
-from vaso.skill_file import load_skill, load_tasks
-
-TASK_FILES = (".yaml", ".yml", ".txt")
+from vaso.skill_file import load_skill
 
 
 def optimize(
@@ -79,7 +78,7 @@ def optimize(
     if resume and out is None:
         raise OptimizerError("there is nothing to resume", expected="out=, the folder of the run")
     start = skill if isinstance(skill, Skill) else _load(skill)
-    cases = [Case(task) for task in _tasks(start, tasks)]
+    cases = [Case(task) for task in task_prompts(start, tasks).seen]
     if not cases:
         raise OptimizerError("there are no tasks to optimize on", hint="give tasks=[…]")
     chosen = get_optimizer(optimizer)
@@ -105,29 +104,6 @@ def optimize(
 def _load(skill: str | Path) -> Skill:
     """The faulty first version of a shipped skill; any other file as it is."""
     return load_skill(skill, version="initial")
-
-
-def _tasks(skill: Skill, tasks: Iterable[str] | str | Path | None) -> list[str]:
-    if tasks is None:
-        return list(load_tasks(skill).seen)
-    if isinstance(tasks, Path) or (isinstance(tasks, str) and _is_file(tasks)):
-        path = Path(tasks)
-        if path.suffix not in TASK_FILES:
-            raise OptimizerError(
-                "this is not a tasks file",
-                source=str(path),
-                expected=f"a file that ends in {', '.join(TASK_FILES)}, or the text of one task",
-            )
-        return list(load_tasks(path).seen)
-    return [tasks] if isinstance(tasks, str) else [str(t) for t in tasks]
-
-
-def _is_file(text: str) -> bool:
-    """True for text that names a file: by its ending, or because it is there."""
-    try:
-        return Path(text).suffix in TASK_FILES or Path(text).exists()
-    except (OSError, ValueError):
-        return False
 
 
 def _trainable(feasible: bool | None) -> tuple[ParameterName, ...]:
