@@ -1,6 +1,9 @@
 import logging
 import sys
 import threading
+import time
+
+from tqdm import tqdm
 
 from vaso.optimizers.quiet import aloud, quiet
 
@@ -23,6 +26,22 @@ def test_other_threads_go_on_printing(capsys):
         thread.join()
         assert sys.stdout.isatty() is False and sys.stdout.encoding
     assert capsys.readouterr().out == "progress\n"
+
+
+def test_a_progress_bar_that_its_monitor_redraws(capsys, monkeypatch):
+    """tqdm redraws a bar that stands still, from a thread of its own."""
+    monkeypatch.setattr(tqdm, "monitor_interval", 0.01)
+    monkeypatch.setattr(tqdm, "monitor", None)
+    with quiet("noisy"), tqdm(total=9, maxinterval=0.01, mininterval=0) as bar:
+        bar.update(5)
+        bar.miniters = 100  # the monitor resets this when it redraws
+        end = time.monotonic() + 10
+        while bar.miniters == 100 and time.monotonic() < end:
+            time.sleep(0.01)
+        time.sleep(0.05)
+        tqdm.monitor.exit()
+    assert bar.miniters == 1
+    assert capsys.readouterr() == ("", "")
 
 
 def test_restores_everything_after_an_error(capsys):

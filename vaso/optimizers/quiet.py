@@ -49,6 +49,11 @@ def _depth_here() -> int:
     return getattr(_silent, "depth", 0)
 
 
+def _is_silent() -> bool:
+    """True for a silent thread, and for the one in which tqdm redraws the bars of all others."""
+    return _depth_here() > 0 or type(threading.current_thread()).__name__ == "TMonitor"
+
+
 class _Muted(io.TextIOBase):
     """A stream that swallows what silent threads write and passes on what others write."""
 
@@ -57,7 +62,7 @@ class _Muted(io.TextIOBase):
 
     def write(self, text: str) -> int:
         """Swallow or pass on."""
-        return len(text) if _depth_here() else self.stream.write(text)
+        return len(text) if _is_silent() else self.stream.write(text)
 
     def flush(self) -> None:
         """Flush the stream behind."""
