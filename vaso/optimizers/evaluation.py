@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from vaso.optimizers.base import Case, Loss, LossValue
 from vaso.optimizers.budget import Ledger
 from vaso.optimizers.once import Once
-from vaso.optimizers.parameters import Parameters
+from vaso.optimizers.parameters import Parameters, digest
 
 Values = Mapping[Case, LossValue]
 EPSILON = 1e-9
@@ -22,6 +22,7 @@ class Evaluator:
         self._loss = loss
         self._ledger = ledger
         self._memo: Once[LossValue] = Once()
+        self._paid: set[str] = set()
 
     def __call__(self, params: Parameters, case: Case) -> LossValue:
         """The loss value, from the memo where it is known.
@@ -36,18 +37,27 @@ class Evaluator:
             return self._memo.values[key]
         return self._memo.get(key, lambda: self._evaluate(params, case))
 
-    def again(self, params: Parameters, case: Case) -> LossValue:
-        """The value of texts that an earlier run has paid for: it is not charged."""
-        return self._memo.get((params.key, case), lambda: self._loss(params, case))
+    @property
+    def paid(self) -> list[str]:
+        """Digests of what was evaluated, for a checkpoint."""
+        return sorted(self._paid)
+
+    def restore(self, paid: Iterable[str]) -> None:
+        """Take up what an earlier run has paid for: evaluating it again is not charged."""
+        self._paid.update(paid)
 
     def known(self, params: Parameters, cases: Iterable[Case]) -> dict[Case, LossValue]:
         """The values that the memo has."""
         return {c: self._memo.values[params.key, c] for c in cases if (params.key, c) in self._memo}
 
     def _evaluate(self, params: Parameters, case: Case) -> LossValue:
+        key = digest([params.key, case.task])
+        if key in self._paid:
+            return self._loss(params, case)
         self._ledger.require("loss_calls", "seconds")
         value = self._loss(params, case)
         self._ledger.charge(loss_calls=1)
+        self._paid.add(key)
         return value
 
     def all(

@@ -18,7 +18,7 @@ from vaso.optimizers.alignment import misaligned
 from vaso.optimizers.base import Case, LossValue
 from vaso.optimizers.completion import Purpose, completion, purpose, purpose_of_text
 from vaso.optimizers.once import Once
-from vaso.optimizers.parameters import Parameters, _digest
+from vaso.optimizers.parameters import Parameters, digest
 from vaso.plan import Budget, compile_plan
 from vaso.plan.model import Plan
 from vaso.plan.transition_system import TransitionSystem
@@ -138,7 +138,7 @@ class SkillLoss:
         return ""
 
     def _plan(self, params: Parameters, case: Case) -> Plan:
-        key = _digest([params.key, case.task])
+        key = digest([params.key, case.task])
         source = self._plans.get(key, lambda: self._draw(params.skill, case).source)
         return Plan(source=source, task=case.task)
 
@@ -241,12 +241,12 @@ class SkillLoss:
                 platform=self.platform,
             )
 
-        return self._repairs.get(_digest([params.key, case.task]), search)
+        return self._repairs.get(digest([params.key, case.task]), search)
 
 
 def _key(skill: Skill, plan: str) -> str:
     rules = [f"{r.role}:{r.text}" for r in (*skill.rules, *skill.assumptions)]
-    return _digest([*rules, skill.labelling_code, plan])
+    return digest([*rules, skill.labelling_code, plan])
 
 
 def _verify_in_time(skill: Skill, plan: Plan) -> VerificationResult:

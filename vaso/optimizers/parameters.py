@@ -76,7 +76,7 @@ class Parameters(Mapping[str, str]):
     @cached_property
     def key(self) -> str:
         """A hash of the texts: equal texts, equal key."""
-        return _digest(t for pair in self._texts.items() for t in pair)
+        return digest(t for pair in self._texts.items() for t in pair)
 
     @cached_property
     def skill(self) -> Skill:
@@ -146,11 +146,12 @@ def _too_long(text: str) -> str | None:
     )
 
 
-def _digest(texts: Iterable[str]) -> str:
-    digest = hashlib.sha256()
+def digest(texts: Iterable[str]) -> str:
+    """A hash of texts in order."""
+    found = hashlib.sha256()
     for text in texts:
-        digest.update(text.encode("utf-8", "surrogatepass") + b"\0")
-    return digest.hexdigest()
+        found.update(text.encode("utf-8", "surrogatepass") + b"\0")
+    return found.hexdigest()
 
 
 GATES: dict[ParameterName, Callable[[str], str | None]] = {

@@ -18,6 +18,7 @@ from vaso.optimizers.evaluation import Evaluator, Standing, objection
 from vaso.optimizers.events import Event, EventKind
 from vaso.optimizers.journal import Journal
 from vaso.optimizers.parameters import Parameters
+from vaso.optimizers.quiet import aloud
 from vaso.optimizers.result import OptimizationResult, StepRecord, Tried
 from vaso.optimizers.store import Checkpoint, RunStore, fingerprint
 from vaso.optimizers.threads import in_threads
@@ -84,6 +85,7 @@ class Run:
         self.safety_before = found.safety_before
         self.violated_before = found.violated_before
         self.ledger.charge(**Spent(**found.spent).to_json())
+        self.evaluate.restore(found.judged)
         if self.journal is not None:
             self.journal.skip(found.answers)
         if restore := getattr(self.loss, "restore", None):
@@ -91,11 +93,10 @@ class Run:
 
     def evaluate_start(self) -> None:
         """Evaluate the texts to start from. A model that fails is asked again a few times."""
-        evaluate = self.evaluate.again if self.history else self.evaluate
         while len(self.values) < len(self.cases):
             try:
                 for case in self.cases:
-                    self.values[case] = evaluate(self.best, case)
+                    self.values[case] = self.evaluate(self.best, case)
             except (EndOfRun, KeyboardInterrupt):
                 raise
             except Exception as error:
@@ -225,6 +226,7 @@ class Run:
             steps=tuple(self.history),
             spent=self.ledger.spent.to_json(),
             loss=state,
+            judged=self.evaluate.paid,
             answers=0 if self.journal is None else len(self.journal),
         )
         self._try_to_write(lambda: store.save(checkpoint))
@@ -306,7 +308,8 @@ class Run:
             self._try_to_write(lambda: store.log(event))
         if self._listener is not None:
             try:
-                self._listener(event)
+                with aloud():
+                    self._listener(event)
             except Exception:  # a broken display must not end the run
                 self._listener = None
 

@@ -14,7 +14,7 @@ from vaso.errors import OptimizerError
 from vaso.optimizers.base import Case
 from vaso.optimizers.events import Event
 from vaso.optimizers.journal import Journal
-from vaso.optimizers.parameters import Parameters, _digest
+from vaso.optimizers.parameters import Parameters, digest
 from vaso.optimizers.result import StepRecord
 from vaso.skill import Skill
 
@@ -36,6 +36,7 @@ class Checkpoint(BaseModel):
         steps: The steps so far.
         spent: What was spent so far.
         loss: State of the loss, such as the plans that it has drawn.
+        judged: Digests of the texts and cases that were evaluated.
         answers: How many answers of the journal led to this state.
     """
 
@@ -50,13 +51,14 @@ class Checkpoint(BaseModel):
     steps: tuple[StepRecord, ...] = ()
     spent: dict[str, Any] = Field(default_factory=dict)
     loss: dict[str, Any] = Field(default_factory=dict)
+    judged: list[str] = Field(default_factory=list)
     answers: int = 0
 
 
 def fingerprint(params: Parameters, cases: Sequence[Case]) -> str:
     """Hash of a run's starting point: the texts, the rules that never change, the cases."""
     fixed = [r.text for r in params.origin.global_rules + params.origin.assumptions]
-    return _digest([*params.values(), *params.trainable, *fixed, *(repr(c) for c in cases)])
+    return digest([*params.values(), *params.trainable, *fixed, *(repr(c) for c in cases)])
 
 
 class RunStore:
