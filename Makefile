@@ -3,32 +3,41 @@ BIN := .venv/bin
 UV = $(shell command -v uv || echo .tools/bin/uv)
 SETUP_NEEDS := pyproject.toml uv.lock scripts/setup.sh $(wildcard third_party/pynusmv/*.*)
 
-.PHONY: help setup demo test test-slow lint format bench lock clean
+.PHONY: help setup everything demo test test-slow notebooks lint format bench lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1|/p' $(MAKEFILE_LIST) | awk -F'|' '{printf "  %-10s %s\n", $$1, $$2}'
 
-setup: .venv/.ready ## install everything into .venv (bootstraps uv, builds PyNuSMV once)
+setup: .venv/.ready ## install into .venv (bootstraps uv, builds PyNuSMV once)
 
 .venv/.ready: $(SETUP_NEEDS)
 	@bash scripts/setup.sh
 	@touch $@
 
+everything: .venv/.everything ## also install all optimizers, notebooks, and what the tests need
+
+.venv/.everything: .venv/.ready
+	@bash scripts/setup.sh everything
+	@touch $@
+
 demo: setup ## verify and optimize a skill, offline, in under a minute
 	@$(BIN)/vaso demo
 
-test: setup ## the fast tests
+test: everything ## the fast tests
 	$(BIN)/pytest -n 2
 
-test-slow: setup ## the slow tests: long differential runs, builds, time-outs
+test-slow: everything ## the slow tests: long differential runs, builds, time-outs
 	$(BIN)/pytest -m slow
 
-lint: setup ## ruff, formatting, types
+notebooks: everything ## run the notebooks, and compare their outputs with the committed ones
+	$(BIN)/python scripts/notebooks.py
+
+lint: everything ## ruff, formatting, types
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-format: setup ## rewrite files the way `make lint` wants them
+format: everything ## rewrite files the way `make lint` wants them
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 

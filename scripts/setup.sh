@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # Install VASO into .venv: find or bootstrap uv, pick a Python, build PyNuSMV once, sync.
+# With the argument "everything", also all optimizers, notebooks and what the tests need.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -19,6 +20,11 @@ if [ -z "$UV" ]; then
         python3 -m venv .tools || fail "no uv, and python3 cannot make an environment; install uv (pip install uv) or python3-venv"
         .tools/bin/pip install --quiet uv || fail "pip could not install uv"
     fi
+fi
+
+if [ "${1:-}" = everything ]; then
+    say "installing everything that optimizers, notebooks and tests need"
+    exec "$UV" sync --frozen --python .venv/bin/python --all-extras --no-extra ros
 fi
 
 # Python: the first 3.12 or 3.11 that can compile extension modules (has Python.h)
@@ -52,4 +58,4 @@ say "PyNuSMV: built from source the first time (1-4 minutes), then taken from a 
 "$UV" build --wheel --python "$PYTHON" --out-dir "$out" third_party/pynusmv
 
 say "installing the packages of uv.lock into .venv"
-"$UV" sync --frozen --python "$PYTHON" --extra adalflow
+"$UV" sync --frozen --inexact --no-dev --python "$PYTHON" --extra adalflow --extra plots
