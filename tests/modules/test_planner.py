@@ -2,7 +2,7 @@ import dspy
 import pytest
 
 from vaso.errors import ModelError
-from vaso.modules.asking import code_of, document_of
+from vaso.modules.asking import code_of, document_of, first_text
 from vaso.modules.planner import Planner, WritePlan, syntax_error
 
 GOOD = "while True:\n    stop()\n"
@@ -64,10 +64,24 @@ def test_a_model_that_cannot_be_reached(skill):
         ("```bash\nls\n```\n```python\nstop()\n```", "stop()\n"),
         ("~~~python\na()\n~~~\nthen\n~~~python\nb()\nc()\n~~~", "b()\nc()\n"),
         ("  ", ""),
+        ("The rule:\n```ltl\nF stop\n```\nThat is it.", "F stop\n"),
+        ("Here:\n```python\nstop()\n", "stop()\n"),
+        ("stop()\n```", "stop()\n"),
+        ("```python\nstop()```", "stop()\n"),
+        ("```", ""),
+        ("", ""),
     ],
 )
 def test_code_of_a_reply(reply, code):
     assert code_of(reply) == code
+
+
+@pytest.mark.parametrize(
+    ("outputs", "text"),
+    [(["a", "b"], "a"), ([{"text": "a", "reasoning_content": "x"}], "a"), ([], ""), ([None], "")],
+)
+def test_first_text_of_what_a_model_gave(outputs, text):
+    assert first_text(outputs) == text
 
 
 def test_document_of_a_reply_keeps_inner_fences():

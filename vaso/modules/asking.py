@@ -11,6 +11,8 @@ from dspy.utils.exceptions import AdapterParseError, LMError
 from vaso.lm import explain, get_lm
 
 FENCE = re.compile(r"^[ \t]*(`{3,}|~{3,})[ \t]*([\w+-]*)[^\n]*\n(.*?)^[ \t]*\1[ \t]*$", re.M | re.S)
+LONE_FENCE = re.compile(r"^[ \t]*(?:`{3,}|~{3,})[^\n]*$", re.M)
+LATE_FENCE = re.compile(r"(?:`{3,}|~{3,})\s*\Z")
 OUTER = re.compile(r"\A\s*(`{3,}|~{3,})[ \t]*(?:markdown|md)?[ \t]*\n(.*)\n[ \t]*\1\s*\Z", re.S)
 
 
@@ -39,10 +41,27 @@ def ask(predictor: Any, field: str, **inputs: str) -> str:
 
 
 def code_of(reply: str) -> str:
-    """The Python code of a reply: its longest fenced Python block, or else all of it."""
+    """The code of a reply: its longest fenced Python block, or another block, or else all of it.
+
+    Of a reply whose fence is not closed, or not opened, or not closed on a line of its own, it is
+    what the fence marks off.
+    """
     blocks = [(lang.lower(), code) for _, lang, code in FENCE.findall(reply)]
     python = [code for lang, code in blocks if lang in ("", "python", "py", "python3")]
-    return _tidy(max(python, key=len) if python else reply)
+    if found := python or [code for _, code in blocks]:
+        return _tidy(max(found, key=len))
+    *before, after = LONE_FENCE.split(reply)
+    return _tidy(LATE_FENCE.sub("", after if after.strip() or not before else before[-1]))
+
+
+def first_text(outputs: list[Any]) -> str:
+    """The first text that a ``dspy.LM`` gave; empty if there is none.
+
+    Args:
+        outputs: Texts, or dictionaries with a text.
+    """
+    first = outputs[0] if outputs else ""
+    return str((first.get("text") if isinstance(first, dict) else first) or "")
 
 
 def document_of(reply: str) -> str:
