@@ -10,7 +10,6 @@ Import this module before ``adalflow``, which otherwise wants to download a toke
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -22,6 +21,7 @@ from vaso.modules.symbolic import SymbolicPlanner
 from vaso.optimizers.adalflow_setup import import_adalflow
 from vaso.optimizers.base import Case, LossValue
 from vaso.optimizers.loss import Planner, SkillLoss
+from vaso.optimizers.order import Bag, stable_hash
 from vaso.optimizers.parameters import DEFAULT_TRAINABLE, ROLES, Parameters
 from vaso.skill import ParameterName, Skill
 from vaso.skill_file import load_skill
@@ -72,22 +72,8 @@ class DrawnPlan(str):
 
 
 def _hash(parameter: Any) -> int:
-    """Hash of what a parameter is, not of its address.
-
-    AdalFlow keeps parameters in sets; with addresses, the order of its questions to the model would
-    change from run to run.
-    """
+    """Hash of what a parameter is, not of its address: AdalFlow keeps parameters in sets."""
     return int(parameter.order)
-
-
-def _order(*names: object) -> int:
-    return zlib.crc32(repr(names).encode("utf-8", "surrogatepass"))
-
-
-class _Bag(list):  # type: ignore[type-arg]
-    """A list that can be added to like a set: gradients in the order in which they came."""
-
-    add = list.append
 
 
 class TextParameter(adal.Parameter):  # type: ignore[misc]
@@ -97,12 +83,12 @@ class TextParameter(adal.Parameter):  # type: ignore[misc]
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(param_type=adal.ParameterType.PROMPT, **kwargs)
-        self.order = _order(self.name)
+        self.order = stable_hash(self.name)
         self.reset_gradients()
 
     def reset_gradients(self) -> None:
         """Forget the gradients."""
-        self.gradients = _Bag()
+        self.gradients = Bag()
 
     def sort_gradients(self) -> None:
         """They are in order."""
@@ -116,7 +102,7 @@ class _Given(adal.Parameter):  # type: ignore[misc]
     def __init__(self, name: str, role: str, data: str, of: str) -> None:
         kind = adal.ParameterType.INPUT
         super().__init__(name=name, role_desc=role, data=data, requires_opt=False, param_type=kind)
-        self.order = _order(name, of)
+        self.order = stable_hash(name, of)
 
 
 class _Output(OutputParameter):  # type: ignore[misc]
@@ -125,10 +111,10 @@ class _Output(OutputParameter):  # type: ignore[misc]
     __hash__ = _hash
 
 
-def _in_order(output: Any) -> Any:
+def _instable_hash(output: Any) -> Any:
     """An output parameter that AdalFlow has just made, with a hash that is the same in each run."""
     output.__class__ = _Output
-    output.order = _order(output.name, output.data_id)
+    output.order = stable_hash(output.name, output.data_id)
     return output
 
 
@@ -224,7 +210,7 @@ class SkillComponent(adal.GradComponent):  # type: ignore[misc]
         )
         plan.eval_input = plan.data.data
         plan.data_in_prompt = lambda parameter: parameter.data.raw_response
-        return _in_order(plan)
+        return _instable_hash(plan)
 
     def backward(
         self, *, response: Any, id: str | None = None, input_kwargs: Any = None, **_: Any
@@ -354,7 +340,7 @@ class VerifierLoss(EvalFnToTextLoss):  # type: ignore[misc]
         sample = id or plan.data_id or plan.id
         given = {"plan": plan}
         loss = super().forward(given, response_desc or LOSS, metadata, sample, gt or GOAL, input)
-        return _in_order(loss)
+        return _instable_hash(loss)
 
     def backward(self, response: Any, kwargs: Any, **_: Any) -> None:
         """Give the plan the verifier's words as its gradient."""

@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args
 
 from vaso.errors import OptimizerError
 from vaso.gradient.model import Level
-from vaso.lm import get_lm
+from vaso.lm import first_text, get_lm
 from vaso.modules.judging import Judge, TextName, numbered, objective, verdict_text
 from vaso.modules.wording import rules_text
 from vaso.optimizers.base import LossValue
@@ -77,8 +77,7 @@ class DspyEngine(tg.EngineLM):  # type: ignore[misc]
         if not all(isinstance(part, str) for part in parts):
             raise OptimizerError("a DspyEngine takes text only", expected="a prompt without images")
         text = "\n\n".join([*([system_prompt] if system_prompt else []), *parts])
-        reply = self.lm(text, **options)[0]
-        return str((reply.get("text") if isinstance(reply, dict) else reply) or "")
+        return first_text(self.lm(text, **options))
 
 
 class VerifierLoss(StringBasedFunction):  # type: ignore[misc]

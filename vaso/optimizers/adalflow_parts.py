@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from vaso.lm import get_lm
+from vaso.lm import first_text, get_lm
 from vaso.optimizers.adalflow_setup import CharacterCount, import_adalflow
 
 import_adalflow()
@@ -54,7 +54,7 @@ class DspyClient(adal.ModelClient):  # type: ignore[misc]
         """Ask the model; the reply's text, empty if it has none."""
         self._calls += 1
         try:
-            return _text(self._nth(self._calls)(**api_kwargs))
+            return first_text(self._nth(self._calls)(**api_kwargs))
         except Exception as error:
             self.errors.append(error)
             raise
@@ -63,7 +63,7 @@ class DspyClient(adal.ModelClient):  # type: ignore[misc]
         """As :meth:`call`."""
         self._calls += 1
         try:
-            return _text(await self._nth(self._calls).acall(**api_kwargs))
+            return first_text(await self._nth(self._calls).acall(**api_kwargs))
         except Exception as error:
             self.errors.append(error)
             raise
@@ -89,11 +89,6 @@ def _rollouts(lm: Any) -> Callable[[int], Any]:
     if lm.kwargs.get("temperature") == 0:
         return lambda number: lm
     return lambda number: lm.copy(rollout_id=number)
-
-
-def _text(outputs: list[Any]) -> str:
-    reply = outputs[0]
-    return str((reply.get("text") if isinstance(reply, dict) else reply) or "")
 
 
 class TolerantParser(adal.DataComponent):  # type: ignore[misc]

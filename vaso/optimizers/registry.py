@@ -19,6 +19,8 @@ _BUILT_IN = {
     "repair": ("vaso.optimizers.repair", "Repair"),
     "loop": ("vaso.optimizers.propose_check", "ProposeAndCheck"),
     "adalflow": ("vaso.optimizers.adalflow", "AutoDiff"),
+    "adalflow-trainer": ("vaso.optimizers.adalflow_trainer", "AdalFlowTrainer"),
+    "textgrad": ("vaso.optimizers.textgrad", "TextGrad"),
 }
 _registered: dict[str, Factory] = {}
 
