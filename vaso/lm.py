@@ -74,12 +74,6 @@ def import_dspy() -> Any:
     return dspy
 
 
-def first_text(outputs: Any) -> str:
-    """The text of a ``dspy.LM``'s first answer; empty if there is none."""
-    reply = outputs[0] if outputs else ""
-    return str((reply.get("text") if isinstance(reply, dict) else reply) or "")
-
-
 def model_error(error: BaseException, name: str) -> ModelError:
     """Say in our words what went wrong with a model."""
     if isinstance(error, ModelError):

@@ -11,7 +11,8 @@ from typing import Any, Literal, get_args
 
 from vaso.errors import OptimizerError
 from vaso.gradient.model import Level
-from vaso.lm import first_text, get_lm
+from vaso.lm import get_lm
+from vaso.modules.asking import first_text
 from vaso.modules.judging import Judge, TextName, numbered, objective, verdict_text
 from vaso.modules.wording import rules_text
 from vaso.optimizers.base import LossValue

@@ -8,7 +8,8 @@ import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from vaso.lm import first_text, get_lm
+from vaso.lm import get_lm
+from vaso.modules.asking import first_text
 from vaso.optimizers.adalflow_setup import CharacterCount, import_adalflow
 
 import_adalflow()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from vaso.modules.asking import FENCE, code_of
+from vaso.modules.asking import code_of
 from vaso.modules.judging import numbered, verdict_text
 from vaso.optimizers.base import Case, State
 from vaso.optimizers.order import Bag, stable_hash
@@ -35,10 +35,8 @@ class StepEngine(DspyEngine):
         self._calls += 1
         self.lm = fresh(self._state.lm, self._state, self._calls)
         reply = super().generate(prompt, system_prompt, **options)
-        asked_for_a_value = START in prompt
-        if asked_for_a_value and START not in reply and FENCE.search(reply):
-            return f"{START}{code_of(reply)}{END}"
-        return reply
+        untagged = START in prompt and START not in reply
+        return f"{START}{code_of(reply)}{END}" if untagged and "```" in reply else reply
 
 
 class TextVariable(tg.Variable):  # type: ignore[misc]
@@ -118,5 +116,4 @@ def descend(text: TextVariable, engine: Any, constraints: Sequence[str]) -> None
         IndexError: The reply has no new value.
     """
     tg.TGD(parameters=[text], engine=engine, constraints=list(constraints)).step()
-    if FENCE.search(text.value):
-        text.set_value(code_of(text.value).strip("\n"))
+    text.set_value(code_of(text.value).strip("\n"))
