@@ -131,9 +131,14 @@ class Skill(BaseModel):
         return self.model_copy(update=where | changes)
 
     def _repr_html_(self) -> str:
-        from vaso.report.html import skill_html
+        from vaso.report.cells import skill_cell
 
-        return skill_html(self)
+        return skill_cell(self)
+
+    def __rich__(self) -> Any:
+        from vaso.report.skill_view import skill_view
+
+        return skill_view(self)
 
 
 def _rules(text: str, skill: Skill) -> tuple[Rule, ...]:

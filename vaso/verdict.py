@@ -92,6 +92,16 @@ class Counterexample:
             ],
         }
 
+    def _repr_html_(self) -> str:
+        from vaso.report.cells import counterexample_cell
+
+        return counterexample_cell(self)
+
+    def __rich__(self) -> Any:
+        from vaso.report.terminal import counterexample_view
+
+        return counterexample_view(self)
+
 
 @dataclass(frozen=True, slots=True)
 class SpecResult:
@@ -227,9 +237,9 @@ class VerificationResult:
         }
 
     def _repr_html_(self) -> str:
-        from vaso.report.html import verification_html
+        from vaso.report.cells import verification_cell
 
-        return verification_html(self)
+        return verification_cell(self)
 
     def __rich__(self) -> Any:
         from vaso.report.terminal import verification_view

@@ -2,7 +2,7 @@
 
 from html.parser import HTMLParser
 
-VOID = {"br", "meta", "line", "rect", "circle", "path", "polyline"}
+VOID = {"br", "meta", "line", "rect", "circle", "path", "polyline", "wbr"}
 
 
 class Checker(HTMLParser):

@@ -79,7 +79,7 @@ def test_very_large_automata_are_drawn_in_part():
     edges = tuple((Edge({}, min(i + 1, 99)),) for i in range(100))
     svg = automaton_svg(TransitionSystem(states, edges))
     assert svg.count("<rect") == 60
-    assert "40 more nodes" in svg
+    assert "40 more boxes" in svg
 
 
 def test_a_cut_is_visible():

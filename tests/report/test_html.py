@@ -8,7 +8,7 @@ from report_samples import DRIVE_PLAN, broken_result, climb_counterexample, driv
 from vaso.plan.transition_system import Edge, State, TransitionSystem
 from vaso.report.html import skill_html, verification_html
 from vaso.report.markup import Markup, el
-from vaso.report.plot import Point, line_plot
+from vaso.report.plot import Point, Series, plot
 from vaso.skill import Rule, Skill
 from vaso.verdict import Verdict
 
@@ -53,7 +53,9 @@ def test_verification_page_tells_the_story():
 
 def test_the_curve_marks_the_violation_and_the_limit():
     page = pages()["climb"]
-    assert page.count('class="dot s0 bad"') == 1
+    assert (
+        page.count('class="dot s0 bad"') == 2
+    )  # in the plot for wide and the one for narrow pages
     assert 'class="limit"' in page
 
 
@@ -72,7 +74,7 @@ def test_text_of_others_is_escaped_everywhere():
 
 def test_styles_stay_inside_the_page_s_own_element():
     css = pages()["skill"].split("<style>")[1].split("</style>")[0]
-    css = re.sub(r"@media[^{]*\{", "", css)
+    css = re.sub(r"@(media|container)[^{]*\{", "", css)
     groups = re.findall(r"([^{}]+)\{[^{}]*\}", css)
     selectors = [s.strip() for group in groups for s in group.split(",")]
     assert selectors
@@ -90,7 +92,7 @@ def test_element_escapes_text_and_attributes():
 )
 def test_plots_of_any_range(values):
     points = [Point(i, v) for i, v in enumerate(values)]
-    page = line_plot(points, x_label="step", y_label="value")
+    page = plot([Series(points)], x_label="step", y_label="value")
     check(page)
     assert "nan" not in page
     numbers = [float(n) for n in re.findall(r'c[xy]="(-?[\d.]+)"', page)]

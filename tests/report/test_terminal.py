@@ -60,11 +60,12 @@ def test_a_plan_that_cannot_be_read_shows_its_line():
     assert "CANNOT BE VERIFIED" in text
 
 
-def test_counterexample_marks_the_violation_and_the_gap():
+def test_steps_that_are_alike_share_a_row_but_not_the_violation():
     text = plain(counterexample_view(climb_counterexample()))
-    (line,) = [t for t in text.splitlines() if "violated here" in t]
-    assert line.split()[:3] == ["10", "10", "s"]
-    assert "8 more like this" in text
+    lines = [" ".join(t.split()) for t in text.splitlines()]
+    assert "1–9 1–9 s set_velocity((0, 0, -1)) 4 1 → 9" in lines
+    assert "10 10 s set_velocity((0, 0, -1)) 4 10 ✗ violated here" in lines
+    assert "11–28 11–28 s set_velocity((0, 0, -1)) 4 10" in lines
 
 
 def test_plan_view_numbers_lines_and_marks_one():

@@ -124,5 +124,15 @@ class FeasibilityResult:
     def __str__(self) -> str:
         return self.summary()
 
+    def _repr_html_(self) -> str:
+        from vaso.report.cells import feasibility_cell
+
+        return feasibility_cell(self)
+
+    def __rich__(self) -> Any:
+        from vaso.report.terminal_runs import feasibility_view
+
+        return feasibility_view(self)
+
 
 _VERDICTS = {True: "feasible", False: "infeasible", None: "not decided"}

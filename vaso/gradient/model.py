@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from typing import Any
 
 from pydantic import BaseModel, ConfigDict
 
@@ -65,6 +66,16 @@ class TextualGradient(BaseModel):
             return PASS_TEXT
         order = list(Level)[: list(Level).index(self.level) + 1]
         return "\n\n".join(p for p in (self._part(level) for level in order) if p)
+
+    def _repr_html_(self) -> str:
+        from vaso.report.cells import gradient_cell
+
+        return gradient_cell(self)
+
+    def __rich__(self) -> Any:
+        from vaso.report.terminal_runs import gradient_view
+
+        return gradient_view(self)
 
     def _part(self, level: Level) -> str:
         if level is not Level.REPAIR:

@@ -66,6 +66,16 @@ class StepRecord(BaseModel):
     error: str = ""
     loss_calls: int = 0
 
+    def _repr_html_(self) -> str:
+        from vaso.report.cells import step_cell
+
+        return step_cell(self)
+
+    def __rich__(self) -> Any:
+        from vaso.report.terminal_runs import step_view
+
+        return step_view(self)
+
 
 @dataclass(frozen=True)
 class OptimizationResult:
@@ -178,9 +188,9 @@ class OptimizationResult:
         return optimization_view(self)
 
     def _repr_html_(self) -> str:
-        from vaso.report.html import optimization_html
+        from vaso.report.cells import optimization_cell
 
-        return optimization_html(self)
+        return optimization_cell(self)
 
 
 def _last_reason(step: StepRecord) -> str:

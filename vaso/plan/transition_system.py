@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 Scalar: TypeAlias = bool | int | float | str
 Label: TypeAlias = bool | float
@@ -197,6 +197,16 @@ class TransitionSystem:
             self._check_partition(index, "edge", [e.guard for e in out])
             for name, cases in self.states[index].observed.items():
                 self._check_partition(index, f"label {name}", [c.guard for c in cases])
+
+    def _repr_html_(self) -> str:
+        from vaso.report.cells import system_cell
+
+        return system_cell(self)
+
+    def __rich__(self) -> Any:
+        from vaso.report.skill_view import system_view
+
+        return system_view(self)
 
     def _check_partition(self, state: int, what: str, guards: Sequence[Guard]) -> None:
         """Split on one sensor after the other until one guard is left, or none, or two."""

@@ -56,7 +56,7 @@ def convergence_svg(
         x_start=0.0,
         percent=percent,
         width=width,
-        height=width * 0.42 if width > 500 else 230,
+        height=max(230, width * 0.42),
         whole=True,
     )
     return _with_styles(drawing)

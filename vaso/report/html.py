@@ -1,7 +1,7 @@
 """Self-contained HTML pages about a skill, a verification and an optimization.
 
-A page is one file: styles and drawings inside, no script, nothing fetched. It also serves as the
-``_repr_html_`` of the object in a notebook.
+A page is one file: styles and drawings inside, no script, nothing fetched. What it contains also
+serves as the output of a notebook cell, see :mod:`vaso.report.cells`.
 """
 
 from __future__ import annotations
@@ -31,15 +31,33 @@ if TYPE_CHECKING:
 
 def skill_html(skill: Skill) -> str:
     """A page that shows a skill: its rules with their reading in English, its code."""
-    head = [
-        el("h1", skill.name),
-        el("p", skill.description or None),
-        el("p", f"platform: {skill.platform}", cls="soft"),
-    ]
-    return page(f"VASO skill {skill.name}", head, *_contracts(skill))
+    return page(f"VASO skill {skill.name}", *skill_parts(skill))
 
 
-def _contracts(skill: Skill) -> Iterable[Markup]:
+def verification_html(result: VerificationResult) -> str:
+    """A page that shows a verification: verdicts, counterexamples over time, plan, automaton."""
+    return page("VASO verification", *verification_parts(result))
+
+
+def plan_html(system: TransitionSystem) -> str:
+    """A page that shows a plan and what it can do."""
+    return page("What the plan can do", *plan_parts(system))
+
+
+def optimization_html(result: OptimizationResult) -> str:
+    """A page that shows an optimization: convergence, steps, gradients, diffs, rules, plans."""
+    from vaso.report.optimization import optimization_parts
+
+    name = result.initial_skill.name
+    return page(f"VASO optimization of {name}", *optimization_parts(result))
+
+
+def skill_parts(skill: Skill) -> Iterable[Markup]:
+    """What a page about a skill contains."""
+    yield el("h1", skill.name)
+    if skill.description:
+        yield el("p", skill.description)
+    yield el("p", f"platform: {skill.platform}", cls="soft")
     groups = [
         ("Global contract", "Every skill of this robot keeps these rules.", skill.global_rules),
         ("Local contract", "What this skill is for.", skill.local_rules),
@@ -75,35 +93,27 @@ def english(rule: Rule, skill: Skill) -> str:
     return to_english(rule.formula, phrases)
 
 
-def verification_html(result: VerificationResult) -> str:
-    """A page that shows a verification: verdicts, counterexamples over time, plan, automaton."""
-    return page(
-        "VASO verification",
-        el("h1", "Verification"),
-        verdict_facts(result),
-        problem_banner(result),
-        rule_rows(result.specs),
-        violations(result),
-        _plan(result),
-        automaton_section(result),
-    )
-
-
-def _plan(result: VerificationResult) -> Markup:
+def verification_parts(result: VerificationResult) -> Iterable[Markup]:
+    """What a page about a verification contains."""
+    yield el("h1", "Verification")
+    yield verdict_facts(result)
+    yield problem_banner(result)
+    yield rule_rows(result.specs)
     if any(s.counterexample for s in result.specs):
-        return Markup()
-    return join(el("h2", "Plan"), listing(result.plan, problem_line(result)))
+        yield el("h2", "What the plan can do wrong")
+        yield violations(result)
+    else:
+        yield join(el("h2", "Plan"), listing(result.plan, problem_line(result)))
+    yield automaton_section(result)
 
 
-def plan_html(system: TransitionSystem) -> str:
-    """A page that shows a plan and what it can do."""
-    title = "What the plan can do"
-    return page(title, el("h1", title), listing(system.source), drawing(system))
-
-
-def optimization_html(result: OptimizationResult) -> str:
-    """A page that shows an optimization: convergence, steps, gradients, diffs, rules, plans."""
-    from vaso.report.optimization import optimization_parts
-
-    name = result.initial_skill.name
-    return page(f"VASO optimization of {name}", *optimization_parts(result))
+def plan_parts(system: TransitionSystem) -> Iterable[Markup]:
+    """What a page about an automaton contains."""
+    size = f"{len(system.states)} states, {system.transitions} transitions"
+    yield el("h1", "What the plan can do")
+    yield el("p", size, cls="soft")
+    if system.cut:
+        yield el("p", f"Not explored further: {system.cut.reason}", cls="banner")
+    yield from (el("p", w, cls="banner") for w in system.warnings)
+    yield listing(system.source) if system.source else Markup()
+    yield drawing(system)

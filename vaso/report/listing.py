@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
 
 from vaso.report.markup import Markup, el
 
-CLASSES = {"+": "row add", "-": "row del", "@": "row hunk"}
+HUNK = re.compile(r"@@ -(\d+)(?:,(\d+))? \+(\d+)(?:,(\d+))? @@")
+CLASSES = {"+": "row add", "-": "row del", " ": "row"}
 
 
 def listing(code: str, marks: Mapping[int, str] | None = None) -> Markup:
@@ -20,6 +22,7 @@ def listing(code: str, marks: Mapping[int, str] | None = None) -> Markup:
             el(
                 "span",
                 el("span", number, cls="no"),
+                el("span", "→" if number in marks else "", cls="arrow"),
                 line,
                 el("span", f"← {why}", cls="why") if why else None,
                 cls="row" if why is None else "row marked",
@@ -31,18 +34,45 @@ def listing(code: str, marks: Mapping[int, str] | None = None) -> Markup:
 def difference(before: str, after: str, *, context: int = 3) -> Markup:
     """The changed lines of a text with some context."""
     lines = difflib.unified_diff(before.splitlines(), after.splitlines(), n=context, lineterm="")
-    return diff_block("\n".join(list(lines)[2:]))
+    return diff_block("\n".join(lines))
 
 
 def diff_block(diff: str) -> Markup:
-    """A unified diff with its colours."""
-    rows = [el("span", line or " ", cls=_class(line)) for line in diff.splitlines()]
+    """A unified diff of one or more texts: lines with their numbers, added and removed ones marked.
+
+    The name of a text stands above its lines, and a gap for what is left out between them.
+    """
+    rows = list(_diff_rows(diff))
     return _block(rows) if rows else el("p", "Nothing changed.", cls="soft")
 
 
-def _class(line: str) -> str:
-    return "row hunk" if line.startswith(("+++ ", "--- ")) else CLASSES.get(line[:1], "row")
+def _diff_rows(diff: str) -> Iterator[Markup]:
+    old = new = old_end = new_end = 0
+    first = True
+    for line in diff.splitlines():
+        if old < old_end or new < new_end:
+            sign = line[:1] or " "
+            yield _diff_row(sign, old if sign == "-" else new, line[1:])
+            old, new = old + (sign != "+"), new + (sign != "-")
+        elif line.startswith("+++") and line[3:].strip():
+            yield el("span", _title(line[3:].strip()), cls="row title")
+            first = True
+        elif found := HUNK.match(line):
+            old, new = int(found[1]), int(found[3])
+            old_end, new_end = old + int(found[2] or 1), new + int(found[4] or 1)
+            if not first:
+                yield el("span", "⋮", cls="row hunk")
+            first = False
+
+
+def _diff_row(sign: str, number: int, text: str) -> Markup:
+    parts = (el("span", number, cls="no"), el("span", sign, cls="sign"), text)
+    return el("span", *parts, cls=CLASSES.get(sign, "row"))
+
+
+def _title(name: str) -> str:
+    return name.replace("_", " ").capitalize() if name else ""
 
 
 def _block(rows: list[Markup]) -> Markup:
-    return el("div", el("pre", rows), cls="listing scroll")
+    return el("div", el("pre", rows), cls="listing scroll", tabindex=0)

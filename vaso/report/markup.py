@@ -16,7 +16,7 @@ class Markup(str):
 
 
 Child: TypeAlias = "str | int | float | list[Markup] | list[str] | tuple[Markup, ...] | None"
-VOID = {"br", "line", "rect", "circle", "path", "meta", "polyline"}
+VOID = {"br", "line", "rect", "circle", "path", "meta", "polyline", "wbr"}
 
 
 def el(tag: str, *children: Child, **attributes: str | int | float | None) -> Markup:

@@ -12,17 +12,13 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
 def page(title: str, *content: Child) -> str:
-    """A complete HTML page.
-
-    The styles touch nothing outside the page's own ``vaso`` element, so that a notebook can show
-    the page as the output of a cell.
-    """
+    """A complete HTML page, for a file."""
     head = join(
         el("meta", charset="utf-8"),
         el("meta", name="viewport", content="width=device-width, initial-scale=1"),
         el("meta", http_equiv="Content-Security-Policy", content=POLICY),
         el("title", title),
-        el("style", Markup(page_styles())),
+        el("style", Markup(styles())),
     )
     body = el("main", *content, cls="vaso")
     return "<!DOCTYPE html>\n" + el(
@@ -30,7 +26,15 @@ def page(title: str, *content: Child) -> str:
     )
 
 
-def page_styles() -> str:
+def cell(*content: Child) -> Markup:
+    """The same for the output of a notebook cell.
+
+    The styles touch nothing outside it, and it follows the notebook's theme.
+    """
+    return join(el("style", Markup(styles())), el("div", *content, cls="vaso vaso-cell"))
+
+
+def styles() -> str:
     """The style sheet of pages and of what they contain."""
     css = importlib.resources.files("vaso.report").joinpath("page.css").read_text(encoding="utf-8")
     return variables(".vaso") + css + plot_styles()

@@ -6,13 +6,14 @@ import importlib.resources
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import Any
 
-from vaso.report.axes import LETTER, RIGHT, Axes, make_axes
+from vaso.report.axes import LETTER, Axes, make_axes
 from vaso.report.marks import DASHES, SHAPES, mark
 from vaso.report.markup import Markup, el
 from vaso.report.palette import SERIES, variables
 
-WIDTH, NARROW, HEIGHT = 640, 340, 230
+WIDTH, MEDIUM, NARROW, HEIGHT = 640, 470, 330, 230
 MARKED = 60
 FEW = 3
 ROW = 22
@@ -69,6 +70,7 @@ def plot(
     x_start: float | None = None,
     percent: bool = False,
     limit: float | None = None,
+    limit_label: str = "",
     whole: bool = False,
     width: float = WIDTH,
     height: float = HEIGHT,
@@ -85,22 +87,22 @@ def plot(
         x_start: Where the x axis begins; at the first point where left out.
         percent: Label the y axis in per cent.
         limit: A dashed line at this value.
+        limit_label: What stands at that line.
         whole: Only whole numbers on the x axis.
         width: In pixels.
         height: In pixels, without the legend.
     """
     rows = _legend_rows(series, width)
     xs = [p.x for s in series for p in s.points] + ([] if x_start is None else [x_start])
-    span = (min(xs), max(max(xs), min(xs) + 1)) if xs else (0.0, 1.0)
     axes = make_axes(
-        span,
+        _x_range(xs),
         y_range or _y_range(series, limit),
         size=(width, height),
         names=(x_label, y_label),
         percent=percent,
         whole=whole,
     )
-    content = [*axes.markup, *_limit(limit, axes, width)]
+    content = [*axes.markup, *_limit(limit, limit_label, axes)]
     opacity = 0.16 if len(series) <= FEW else 0.07
     content += [part for s in series for part in (*_band(s, axes, opacity), *_line(s, axes))]
     content += [part for s in series for part in _marks(s, axes)]
@@ -119,9 +121,17 @@ def plot(
     )
 
 
-def line_plot(points: Sequence[Point], **options: object) -> Markup:
-    """A plot of a single line; see :func:`plot`."""
-    return plot([Series(points)], **options)  # type: ignore[arg-type]
+def responsive(series: Sequence[Series], *, width: int = WIDTH, **options: Any) -> Markup:
+    """A plot for wide and one for narrow places; the page shows the one that fits.
+
+    Args:
+        series: The lines.
+        width: Of the wide one in pixels: ``WIDTH`` or ``MEDIUM``, which the style sheet knows.
+        **options: See :func:`plot`.
+    """
+    wide, narrow = (plot(series, width=w, **options) for w in (width, NARROW))
+    both = [el("div", wide, cls="wide"), el("div", narrow, cls="narrow")]
+    return el("div", both, cls=f"either at-{width}")
 
 
 def plot_styles() -> str:
@@ -130,17 +140,24 @@ def plot_styles() -> str:
     return variables(".vaso-plot") + css
 
 
+def _x_range(xs: Sequence[float]) -> tuple[float, float]:
+    low, high = min(xs, default=0.0), max(xs, default=1.0)
+    return low, high if high > low else low + 1
+
+
 def _y_range(series: Sequence[Series], limit: float | None) -> tuple[float, float]:
     values = [p.y for s in series for p in s.points] + ([] if limit is None else [limit])
     low, high = min([0.0, *values]), max(values, default=1.0)
     return low, high + (high - low) * 0.12 or 1.0
 
 
-def _limit(limit: float | None, axes: Axes, width: float) -> list[Markup]:
+def _limit(limit: float | None, label: str, axes: Axes) -> list[Markup]:
     if limit is None:
         return []
-    y = axes.y(limit)
-    return [el("line", x1=axes.x.start, x2=width - RIGHT, y1=y, y2=y, cls="limit")]
+    y, end = axes.y(limit), axes.x.end
+    text = el("text", label, x=end, y=y - 5, text_anchor="end", cls="limit-label")
+    line = el("line", x1=axes.x.start, x2=end, y1=y, y2=y, cls="limit")
+    return [line, text] if label else [line]
 
 
 def _line(series: Series, axes: Axes) -> list[Markup]:
@@ -217,10 +234,11 @@ def _legend_row(row: Sequence[tuple[float, Series]], y: float) -> list[Markup]:
     parts: list[Markup] = []
     for x, series in row:
         shape, colour = SHAPES[series.style % len(SHAPES)], _colour(series)
+        kind = series.points[0].mark if series.points and not series.joined else ""
         if series.joined:
             line = {"x1": x, "x2": x + 34, "y1": y - 4, "y2": y - 4}
             dash = _dash(series)
             parts.append(el("line", cls=f"curve {colour}", stroke_dasharray=dash, **line))
-        parts.append(mark(shape, x + 17, y - 4, 3.6, f"dot {colour}"))
+        parts.append(mark(shape, x + 17, y - 4, 3.6, f"dot {colour} {kind}".strip()))
         parts.append(el("text", series.name, x=round(x + 42, 1), y=y))
     return parts

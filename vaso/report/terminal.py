@@ -29,7 +29,7 @@ STYLES = {
     Verdict.UNKNOWN: ("? UNKNOWN", "bold yellow"),
     Verdict.UNSUPPORTED: ("– UNSUPPORTED", "bold yellow"),
 }
-WIDEST_CALL = 26
+WIDEST_CALL, WIDEST_NAME = 26, 12
 DIFF = {"+": "green", "-": "red", "@": "cyan"}
 
 
@@ -84,12 +84,13 @@ def rule_text(spec: SpecResult) -> Text:
     text = Text(spec.spec)
     if spec.english:
         text.append(f"\n{spec.english}", style="dim")
-    for label, remark in _remarks(spec):
+    for label, remark in remarks(spec):
         text.append(f"\n{label}: {remark}", style="yellow")
     return text
 
 
-def _remarks(spec: SpecResult) -> Iterator[tuple[str, str]]:
+def remarks(spec: SpecResult) -> Iterator[tuple[str, str]]:
+    """What to know about a verdict: a label and a text each."""
     for assumption in spec.assumptions:
         yield "assuming", assumption
     if spec.vacuous:
@@ -132,12 +133,13 @@ def counterexample_view(example: Counterexample) -> Table:
     table.add_column("time", justify="right", no_wrap=True)
     for name in trace.sensors:
         table.add_column(f"{name}?", overflow="fold")
-    widest = max(len(row.does) for row in trace.rows)
-    table.add_column("the robot does", overflow="fold", min_width=min(widest, WIDEST_CALL))
+    widest = max(len("the robot does"), *(len(row.does) for row in trace.rows))
+    # A fixed width: rich crops a table whose columns have a least width instead of folding it.
+    table.add_column("the robot does", overflow="fold", width=min(widest, WIDEST_CALL))
     table.add_column("line", justify="right")
     for name in trace.values:
-        table.add_column(name, overflow="fold")
-    table.add_column("", overflow="fold", min_width=8)
+        table.add_column(_broken(name), overflow="fold")
+    table.add_column("", overflow="fold")
     width = len(trace.sensors) + len(trace.values)
     for row in trace.rows:
         cells, style = _cells(row, width)
@@ -145,13 +147,18 @@ def counterexample_view(example: Counterexample) -> Table:
     return table
 
 
+def _broken(name: str) -> str:
+    """A long name with line breaks where its words end."""
+    return name if len(name) <= WIDEST_NAME else name.replace("_", "_\n")
+
+
 def _cells(row: Row, width: int) -> tuple[list[str], str]:
     if row.skipped:
         blank = [""] * (width + 2)
-        return ["⋮", "", *blank, f"{row.skipped} more like this"], "dim"
+        return ["⋮", "", *blank, f"{row.skipped} more steps"], "dim"
     style = "bold red" if row.violated else ""
     notes = "; ".join(row.notes)
-    step = f"↻ {row.step}" if row.looping else str(row.step)
+    step = f"↻ {row.steps}" if row.looping else row.steps
     return [step, row.time, *row.sensed, row.does, row.line, *row.values, notes], style
 
 

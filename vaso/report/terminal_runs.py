@@ -10,10 +10,11 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from vaso.report.terminal import DIFF
+from vaso.report.terminal import DIFF, diff_view
 
 if TYPE_CHECKING:
     from vaso.feasibility.result import FeasibilityResult
+    from vaso.gradient.model import TextualGradient
     from vaso.optimizers.result import OptimizationResult, StepRecord
 
 YES_NO = {
@@ -119,6 +120,25 @@ def step_cells(step: StepRecord) -> tuple[str, str, str, Text]:
     """The cells of a step's row."""
     violated = "\n".join(step.violated) or "nothing"
     return str(step.step), percent(step.safety), violated, Text("\n").join(_happened(step))
+
+
+def step_view(step: StepRecord) -> Group:
+    """One step: what happened, what changed, what is still violated."""
+    head = Text(f"step {step.step}: safety {percent(step.safety)}", style="bold")
+    parts: list[RenderableType] = [head, Text("\n").join(_happened(step))]
+    parts += [colour_diff(step.diff)] if step.diff else []
+    parts += [Text(f"still violated: {rule}", style="yellow") for rule in step.violated]
+    return Group(*parts)
+
+
+def gradient_view(gradient: TextualGradient) -> Group:
+    """A textual gradient; its verified repair as a difference."""
+    edit = gradient.repair
+    parts: list[RenderableType] = [Text(str(gradient.model_copy(update={"repair": None})))]
+    if edit is not None:
+        parts.append(Text(f"\n✓ verified repair: {edit.description}", style="green"))
+        parts.append(diff_view(edit.before, edit.after))
+    return Group(*parts)
 
 
 def _happened(step: StepRecord) -> Iterator[Text]:
