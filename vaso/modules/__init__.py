@@ -10,20 +10,40 @@ from typing import TYPE_CHECKING, Any
 
 _EXPORTS = {
     "EditModel": "vaso.modules.edit_model",
+    "PlanWriter": "vaso.modules.plan_writer",
     "Planner": "vaso.modules.planner",
+    "SkillProgram": "vaso.modules.skill_program",
     "SkillWriter": "vaso.modules.skill_writer",
     "SymbolicPlanner": "vaso.modules.symbolic",
     "read_quantities": "vaso.modules.quantities",
+    "skill_tool": "vaso.modules.tools",
+    "verifier_metric": "vaso.modules.metric",
+    "verify_tool": "vaso.modules.tools",
 }
 
-__all__ = ["EditModel", "Planner", "SkillWriter", "SymbolicPlanner", "read_quantities"]
+__all__ = [
+    "EditModel",
+    "PlanWriter",
+    "Planner",
+    "SkillProgram",
+    "SkillWriter",
+    "SymbolicPlanner",
+    "read_quantities",
+    "skill_tool",
+    "verifier_metric",
+    "verify_tool",
+]
 
 if TYPE_CHECKING:
     from vaso.modules.edit_model import EditModel
+    from vaso.modules.metric import verifier_metric
+    from vaso.modules.plan_writer import PlanWriter
     from vaso.modules.planner import Planner
     from vaso.modules.quantities import read_quantities
+    from vaso.modules.skill_program import SkillProgram
     from vaso.modules.skill_writer import SkillWriter
     from vaso.modules.symbolic import SymbolicPlanner
+    from vaso.modules.tools import skill_tool, verify_tool
 
 
 def __getattr__(name: str) -> Any:

@@ -30,6 +30,7 @@ _EXPORTS = {
     "Spent": "budget",
     "State": "base",
     "StepRecord": "result",
+    "VASO": "teleprompter",
     "get_optimizer": "registry",
     "optimize": "run",
     "optimizers": "registry",
@@ -37,6 +38,7 @@ _EXPORTS = {
 }
 
 __all__ = [
+    "VASO",
     "Budget",
     "Case",
     "DrivenOptimizer",
@@ -83,6 +85,7 @@ if TYPE_CHECKING:
     from vaso.optimizers.run import optimize
     from vaso.optimizers.session import DrivenOptimizer, Driver, Session
     from vaso.optimizers.store import RunStore
+    from vaso.optimizers.teleprompter import VASO
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,138 @@
+"""The verifier as a DSPy metric: ``dspy.Evaluate``, ``dspy.GEPA``, ``dspy.SIMBA`` and others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import dspy
+
+from vaso.errors import SkillError
+from vaso.gradient import textual_gradient
+from vaso.gradient.model import Level
+from vaso.modules.asking import code_of
+from vaso.modules.verdicts import verdicts
+from vaso.plan.model import Plan
+from vaso.skill import Skill
+from vaso.skill_file import load_skill
+from vaso.verdict import VerificationResult
+from vaso.verifiers import Verifier
+
+ALMOST = 1.0 - 1e-6
+"""The greatest score of a plan that is not verified."""
+NO_PLAN = "There is no plan: the output field '{field}' is missing or empty."
+
+
+def verifier_metric(
+    skill: Skill | str | Path | None = None,
+    *,
+    level: Level | str = Level.BLAME,
+    field: str = "plan",
+    feedback: bool = True,
+    verifier: str | Verifier | None = None,
+) -> VerifierMetric:
+    """A metric that verifies plans: ``metric(gold, pred, trace, pred_name, pred_trace)``.
+
+    Args:
+        skill: The skill whose rules count. By default the prediction's own ``result`` counts, as a
+            :class:`~vaso.modules.SkillProgram` returns it.
+        level: How much the feedback says: ``verdict``, ``trace``, ``blame`` or ``repair``.
+        field: The output field that holds the plan: a text (fences are removed) or a plan.
+        feedback: False gives a plain number.
+        verifier: A verifier or its name.
+
+    Returns:
+        The metric, for example for ``dspy.Evaluate(devset=tasks, metric=verifier_metric("drive"))``
+        or ``dspy.GEPA(metric=verifier_metric("drive"), reflection_lm=lm, auto="light")``.
+
+    Raises:
+        SkillError: There is no such skill.
+    """
+    known = skill is None or isinstance(skill, Skill)
+    found = skill if known else load_skill(skill)  # type: ignore[arg-type]
+    return VerifierMetric(found, Level(level), field, feedback, verifier)  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class VerifierMetric:
+    """What :func:`verifier_metric` makes.
+
+    The score is the plan's safety, the fraction of rules that pass; 1.0 means verified. With it
+    comes feedback: what is violated, in which behaviour, and which line is to blame. No plan is
+    verified twice, by this metric or by a :class:`~vaso.modules.SkillProgram`.
+
+    Attributes:
+        skill: The skill whose rules count, or None for the prediction's own result.
+        level: How much the feedback says.
+        field: The output field that holds the plan.
+        feedback: Whether there is feedback with the score.
+        verifier: A verifier or its name.
+    """
+
+    skill: Skill | None
+    level: Level = Level.BLAME
+    field: str = "plan"
+    feedback: bool = True
+    verifier: str | Verifier | None = None
+
+    def __call__(
+        self,
+        gold: Any,
+        pred: Any,
+        trace: Any = None,
+        pred_name: str | None = None,
+        pred_trace: Any = None,
+    ) -> Any:
+        """Score a prediction.
+
+        Args:
+            gold: The example. Nothing in it is looked at: the rules say what a good plan is.
+            pred: The prediction.
+            trace: Given where a demonstration is bootstrapped.
+            pred_name: The predictor that feedback is for, where GEPA asks; it is the same for all.
+            pred_trace: That predictor's calls.
+
+        Returns:
+            ``dspy.Prediction(score=…, feedback=…)``, or the score alone. Where a demonstration is
+            bootstrapped: whether the plan is verified.
+
+        Raises:
+            SkillError: The metric has no skill and the prediction no result.
+        """
+        score, feedback = self._judged(pred)
+        if trace is not None and pred_name is None:
+            return score >= 1.0
+        return dspy.Prediction(score=score, feedback=feedback) if self.feedback else score
+
+    def _judged(self, pred: Any) -> tuple[float, str]:
+        plan = self._plan(pred)
+        if plan is None:
+            return 0.0, NO_PLAN.format(field=self.field)
+        if self.skill is None:
+            result = _result_of(pred, plan)
+            return _score(result), str(textual_gradient(result, level=self.level))
+        result = verdicts.result(self.skill, plan, self.verifier)
+        return _score(result), verdicts.feedback(self.skill, plan, self.level, self.verifier)
+
+    def _plan(self, pred: Any) -> Plan | None:
+        found = getattr(pred, self.field, None)
+        if isinstance(found, Plan):
+            return found if found.source.strip() else None
+        source = code_of(str(found or ""))
+        return Plan(source=source) if source else None
+
+
+def _score(result: VerificationResult) -> float:
+    return 1.0 if result else min(result.safety, ALMOST)
+
+
+def _result_of(pred: Any, plan: Plan) -> VerificationResult:
+    """The prediction's own result, if it is about its plan."""
+    result = getattr(pred, "result", None)
+    if isinstance(result, VerificationResult) and result.plan == plan.source:
+        return result
+    raise SkillError(
+        "the prediction does not say how its plan was verified",
+        expected="verifier_metric(skill), or the prediction of a vaso.modules.SkillProgram",
+    )

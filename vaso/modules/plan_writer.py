@@ -1,0 +1,217 @@
+"""A ``dspy.Predict`` that carries a skill: its instructions end with the skill's plan template.
+
+That makes the template a parameter in DSPy's own sense. Optimizers that rewrite instructions
+(``dspy.GEPA``, ``dspy.SIMBA``, ``dspy.MIPROv2``, ``dspy.COPRO``) rewrite the template, those that
+choose demonstrations give the model examples of plans, and what they change is saved and loaded
+with the program. Labelling code and rules are not instructions: they are inputs, because they say
+what is true of the robot and what is asked of the plan.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from typing import Any
+
+import dspy
+from dspy.utils.exceptions import AdapterParseError, LMError
+
+from vaso.errors import SkillError
+from vaso.lm import explain, get_lm
+from vaso.modules.asking import FENCE, code_of
+from vaso.modules.planner import WritePlan
+from vaso.modules.wording import rules_text
+from vaso.skill import ParameterName, Skill
+
+HEADING = "Plan template:"
+NOTHING = "none"
+GUIDANCE = f"""{WritePlan.instructions.strip()}
+
+If there is a previous plan, the feedback says what a model checker found wrong with it: write a
+plan without that fault. Keep what the task is for: a plan that only stops is no solution."""
+
+WriteSkillPlan = (
+    WritePlan.delete("plan_template")
+    .insert(3, "previous_plan", dspy.InputField(desc="the plan that was tried before this"), str)
+    .insert(4, "feedback", dspy.InputField(desc="what is wrong with the previous plan"), str)
+)
+
+
+class PlanWriter(dspy.Predict):  # type: ignore[misc]
+    """Writes the plans of one skill.
+
+    Attributes:
+        signature: Task, rules, interfaces, previous plan and feedback in; plan out. Its
+            instructions hold the plan template in a fenced block.
+    """
+
+    signature: Any
+
+    def __init__(self, skill: Skill) -> None:
+        """Configure.
+
+        Args:
+            skill: The skill.
+        """
+        instructions = with_template(GUIDANCE, skill.plan_template)
+        super().__init__(WriteSkillPlan.with_instructions(instructions))
+        self.base = skill
+
+    # -- the skill's texts ---------------------------------------------------------------------
+
+    @property
+    def skill(self) -> Skill:
+        """The skill, with the template that the instructions hold."""
+        template = template_of(self.signature.instructions)
+        if template.strip("\n") == self.base.plan_template.strip("\n"):
+            return self.base
+        return self.base.with_parameters({"plan_template": template})
+
+    @skill.setter
+    def skill(self, skill: Skill) -> None:
+        instructions = with_template(self.signature.instructions, skill.plan_template)
+        self.signature = self.signature.with_instructions(instructions)
+        self.base = skill
+
+    def dump_state(self, json_mode: bool = True) -> dict[str, Any]:
+        """The state of a ``dspy.Predict`` with the texts that the instructions do not hold."""
+        texts = self.base.parameters
+        kept = {"name": self.base.name, "labelling_code": texts["labelling_code"]}
+        state: dict[str, Any] = super().dump_state(json_mode=json_mode)
+        return state | {"skill": kept | {"local_rule": texts["local_rule"]}}
+
+    def load_state(self, state: dict[str, Any], **options: Any) -> PlanWriter:
+        """Take up a saved state. The global rules stay those of this program's skill.
+
+        Raises:
+            SkillError: The state is of another skill, or its local rule cannot be read.
+        """
+        kept = state.get("skill") or {}
+        if kept.get("name", self.base.name) != self.base.name:
+            raise SkillError(
+                f"the saved state is of the skill '{kept['name']}'",
+                expected=f"a state of '{self.base.name}'",
+            )
+        texts: dict[ParameterName, str] = {
+            "local_rule": kept.get("local_rule", self.base.parameters["local_rule"]),
+            "labelling_code": kept.get("labelling_code", self.base.labelling_code),
+        }
+        base = self.base.with_parameters(texts)
+        super().load_state({k: v for k, v in state.items() if k != "skill"}, **options)
+        self.base = base
+        return self
+
+    # -- asking a model ------------------------------------------------------------------------
+
+    def inputs(
+        self, skill: Skill, task: str, previous: str = "", feedback: str = ""
+    ) -> dict[str, str]:
+        """The input fields for a task."""
+        return {
+            "task": task,
+            "rules": rules_text(skill.rules, skill.platform),
+            "apis": skill.labelling_code,
+            "previous_plan": previous or NOTHING,
+            "feedback": feedback or NOTHING,
+        }
+
+    def write(self, skill: Skill, inputs: dict[str, str], lm: Any = None) -> str:
+        """Ask the model for a plan.
+
+        Args:
+            skill: Whose template to follow; by default its own.
+            inputs: The input fields.
+            lm: The model; by default the predictor's, or the configured one.
+
+        Raises:
+            ModelError: No model is configured, it cannot be reached, or it answers with an error.
+        """
+        try:
+            with self._asking(lm):
+                reply = self(**inputs, **self._for(skill))
+            return code_of(str(reply.plan or ""))
+        except AdapterParseError as error:
+            return self.record(code_of(str(error.lm_response or "")), inputs)
+        except LMError as error:
+            raise explain(error) from error
+
+    async def awrite(self, skill: Skill, inputs: dict[str, str], lm: Any = None) -> str:
+        """:meth:`write`, without blocking the event loop."""
+        try:
+            with self._asking(lm):
+                reply = await self.acall(**inputs, **self._for(skill))
+            return code_of(str(reply.plan or ""))
+        except AdapterParseError as error:
+            return self.record(code_of(str(error.lm_response or "")), inputs)
+        except LMError as error:
+            raise explain(error) from error
+
+    def record(self, plan: str, inputs: dict[str, str]) -> str:
+        """Note a plan that did not come out of a call in dspy's trace, for optimizers to see."""
+        self._forward_postprocess([{"plan": plan}], self.signature, **inputs)
+        return plan
+
+    def model(self) -> Any:
+        """The model that is asked: the predictor's own, or the configured one.
+
+        Raises:
+            ModelError: There is none.
+        """
+        return self.lm or dspy.settings.lm or get_lm()
+
+    def _asking(self, lm: Any) -> Any:
+        """The model, and an adapter that asks once: a reply without the format may be the code."""
+        adapter = dspy.settings.adapter or dspy.ChatAdapter(use_json_adapter_fallback=False)
+        return dspy.context(lm=lm or self.model(), adapter=adapter)
+
+    def _for(self, skill: Skill) -> dict[str, Any]:
+        """Options of a call that follows another template than the predictor's own."""
+        if skill.plan_template == self.skill.plan_template:
+            return {}
+        instructions = with_template(self.signature.instructions, skill.plan_template)
+        return {"signature": self.signature.with_instructions(instructions)}
+
+
+def with_template(instructions: str, template: str) -> str:
+    """Put a plan template into instructions, in place of the one that they hold.
+
+    Args:
+        instructions: Any text.
+        template: Python source.
+    """
+    fence = "`" * max([3, *(len(run) + 1 for run in re.findall("`{3,}", template))])
+    block = f"{fence}python\n{template.strip(chr(10))}\n{fence}"
+    if found := _block(instructions):
+        return instructions[: found.start()] + block + instructions[found.end() :]
+    if _is_program(instructions):
+        return block
+    return f"{instructions.rstrip()}\n\n{HEADING}\n\n{block}"
+
+
+def template_of(instructions: str) -> str:
+    """The plan template in instructions: their longest Python block, or all of them if it is code.
+
+    Returns:
+        The template, or an empty string where the instructions hold none.
+    """
+    found = _block(instructions)
+    if found is not None:
+        return str(found.group(3)).strip("\n")
+    return instructions.strip("\n") if _is_program(instructions) else ""
+
+
+def _block(instructions: str) -> re.Match[str] | None:
+    blocks = [m for m in FENCE.finditer(instructions) if m.group(2).lower() in PYTHON]
+    return max(blocks, key=lambda m: len(m.group(3)), default=None)
+
+
+PYTHON = ("", "python", "py", "python3")
+
+
+def _is_program(text: str) -> bool:
+    """True for Python that calls something; a sentence never is."""
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return False
+    return any(isinstance(node, ast.Call) for node in ast.walk(tree))
