@@ -137,7 +137,7 @@ def test_killed_and_resumed_is_as_if_never_stopped(optimizer, tmp_path):
         code, whole, errors = in_a_process(server, optimizer, folders[0] / "run")
         assert code == 0, errors
         asked, expected = len(server.requests), server.answered
-    assert asked > 4, "there is something to kill"
+    assert asked >= 4, "there is something to kill"
     with EditServer() as server:
         server.faults = {asked // 2 + 1: kills(server)}
         code, _, _ = in_a_process(server, optimizer, folders[1] / "run")

@@ -15,30 +15,8 @@ import dspy
 
 from vaso.modules.asking import ask, code_of
 from vaso.optimizers.base import LossValue, Proposal, State
-from vaso.optimizers.parameters import ROLES
+from vaso.optimizers.rewriting import RewriteText, adapter, feedback_on, question, to_blame
 from vaso.optimizers.threads import in_threads
-
-MAX_SHOWN = 3
-
-
-class RewriteText(dspy.Signature):  # type: ignore[misc]
-    """Rewrite one text of a robot skill so that every plan that follows it satisfies all rules.
-
-    Plans are explored into an automaton and model-checked; the feedback says which rule a plan
-    violates, in which behaviour, and which line is to blame. Time is discrete: what a plan reads
-    from a sensor decides its very next command, so it must read again before every command. Keep
-    what the skill is for: a skill that only stops is not a solution. Change as little as needed.
-    """
-
-    skill: str = dspy.InputField(desc="what the skill is for")
-    rules: str = dspy.InputField(desc="LTL rules that every plan must satisfy")
-    role: str = dspy.InputField(desc="what the text is")
-    text: str = dspy.InputField(desc="the text to rewrite")
-    other_texts: str = dspy.InputField(desc="the skill's other texts; they stay as they are")
-    plan: str = dspy.InputField(desc="a plan that was written from the text")
-    feedback: str = dspy.InputField(desc="the verdict on that plan")
-    rejected: str = dspy.InputField(desc="rewrites that were tried, and why they were turned down")
-    new_text: str = dspy.OutputField(desc="the whole new text, in a fenced block, and nothing else")
 
 
 @dataclass(frozen=True)
@@ -75,27 +53,20 @@ class ProposeAndCheck:
 
     def _proposal(self, state: State, tried: list[tuple[Any, str]], number: int) -> Proposal:
         _, value = state.failing[number % len(state.failing)]
-        name = _to_blame(value, state)
+        name = to_blame(value, state.params)
         new = self._ask(state, name, value, tried, number)
         return Proposal({name: new} if new.strip() else {}, f"the model rewrote {name}")
 
     def _ask(
         self, state: State, name: str, value: LossValue, tried: list[tuple[Any, str]], number: int
     ) -> str:
-        skill = state.params.skill
-        others = {n: t for n, t in state.params.items() if n != name}
-        with dspy.context(lm=fresh(state.lm, state, number), adapter=_adapter()):
+        with dspy.context(lm=fresh(state.lm, state, number), adapter=adapter()):
             reply = ask(
                 dspy.Predict(RewriteText),
                 "new_text",
-                skill=f"{skill.name}: {skill.description}",
-                rules="\n".join(r.text for r in (*skill.rules, *skill.assumptions)),
-                role=ROLES[name],  # type: ignore[index]
-                text=state.params[name],
-                other_texts="\n\n".join(f"{n}:\n{t}" for n, t in others.items()),
+                **question(state.params, name, tried),
                 plan=value.plan,
-                feedback=value.feedback.get(name, "") + "\n\n" + str(value.gradient),
-                rejected=_shown(name, tried),
+                feedback=feedback_on(name, value),
             )
         return code_of(reply)
 
@@ -106,25 +77,6 @@ def _answered(found: Sequence[Proposal | Exception]) -> list[Proposal]:
     if errors := [one for one in found if isinstance(one, Exception) and not proposals]:
         raise errors[0]
     return proposals
-
-
-def _adapter() -> Any:
-    """The user's adapter, or dspy's own without its second question in JSON.
-
-    A reply that does not keep to the format is often the bare text, and is taken as that.
-    """
-    return dspy.settings.adapter or dspy.ChatAdapter(use_json_adapter_fallback=False)
-
-
-def _to_blame(value: LossValue, state: State) -> str:
-    """The text to rewrite: one that the feedback names, if it may change."""
-    blamed = [n for n in value.feedback if n in state.params.trainable]
-    return blamed[0] if blamed else state.params.trainable[-1]
-
-
-def _shown(name: str, tried: list[tuple[Any, str]]) -> str:
-    shown = [f"{texts[name]}\n-> {reason}" for texts, reason in tried if name in texts]
-    return "\n\n".join(shown[-MAX_SHOWN:]) or "none yet"
 
 
 def fresh(lm: Any, state: State, number: int) -> Any:

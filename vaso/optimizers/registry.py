@@ -21,6 +21,9 @@ _BUILT_IN = {
     "adalflow": ("vaso.optimizers.adalflow", "AutoDiff"),
     "adalflow-trainer": ("vaso.optimizers.adalflow_trainer", "AdalFlowTrainer"),
     "textgrad": ("vaso.optimizers.textgrad", "TextGrad"),
+    "gepa": ("vaso.optimizers.gepa", "Gepa"),
+    "simba": ("vaso.optimizers.simba", "Simba"),
+    "mipro": ("vaso.optimizers.mipro", "Mipro"),
 }
 _registered: dict[str, Factory] = {}
 
