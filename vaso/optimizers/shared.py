@@ -61,6 +61,7 @@ class Run:
             self.limits |= {"lm_calls", "tokens", "cost"}
         self.tried: list[Tried] = []
         self._listener = on_event
+        self._progress: dict[str, Any] = {}
 
     # -- begin ---------------------------------------------------------------------------------
 
@@ -88,6 +89,7 @@ class Run:
         self.evaluate.restore(found.judged)
         if self.journal is not None:
             self.journal.skip(found.answers)
+        self._progress = found.model_dump(include={"spent", "loss", "judged", "answers"})
         if restore := getattr(self.loss, "restore", None):
             restore(found.loss)
 
@@ -209,13 +211,22 @@ class Run:
         self.history.append(record)
         self.tried = []
         self.ledger.charge(steps=1)
+        self._progress = self._progress_now()
         self._save(new_skill=accepted is not None)
+
+    def _progress_now(self) -> dict[str, Any]:
+        state: dict[str, Any] = getattr(self.loss, "state", dict)()
+        return {
+            "spent": self.ledger.spent.to_json(),
+            "loss": state,
+            "judged": self.evaluate.paid,
+            "answers": 0 if self.journal is None else len(self.journal),
+        }
 
     def _save(self, *, new_skill: bool) -> None:
         store = self.store
         if store is None:
             return
-        state: dict[str, Any] = getattr(self.loss, "state", dict)()
         checkpoint = Checkpoint(
             optimizer=self.name,
             seed=self.seed,
@@ -224,10 +235,7 @@ class Run:
             safety_before=self.safety_before,
             violated_before=self.violated_before,
             steps=tuple(self.history),
-            spent=self.ledger.spent.to_json(),
-            loss=state,
-            judged=self.evaluate.paid,
-            answers=0 if self.journal is None else len(self.journal),
+            **self._progress,
         )
         self._try_to_write(lambda: store.save(checkpoint))
         if new_skill:
@@ -255,6 +263,8 @@ class Run:
             error=self.error,
             out=str(self.store.folder) if self.store else None,
         )
+        if self.journal is None:  # else a step that was cut off is made again from its answers
+            self._progress = self._progress_now()
         self._save(new_skill=True)
         if store := self.store:
             self._try_to_write(lambda: store.save_result(result.to_json()))
