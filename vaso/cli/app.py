@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vaso import __version__
-from vaso.cli import bench, check, demo, optimize, plan, sat, show, skills, verify
+from vaso.cli import bench, check, compare, demo, optimize, plan, sat, show, skills, verify
 
 app = typer.Typer(
     name="vaso",
@@ -43,6 +43,7 @@ for command in (
     sat.sat,
     plan.plan,
     optimize.optimize,
+    compare.compare,
     show.show,
     skills.skills,
     demo.demo,

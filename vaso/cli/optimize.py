@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -20,6 +20,20 @@ from vaso.cli.common import (
     leave,
     write_text,
 )
+from vaso.cli.optimizing import (
+    CostOption,
+    LmCallsOption,
+    LmOption,
+    LossCallsOption,
+    PlannerLmOption,
+    PlannerOption,
+    SecondsOption,
+    StepsOption,
+    TokensOption,
+    known_optimizers,
+    make_budget,
+    make_planner,
+)
 from vaso.gradient.model import Level
 
 if TYPE_CHECKING:
@@ -35,14 +49,11 @@ def optimize(
         typer.Option(help="A .yaml file of tasks, or one task; by default the skill's seen tasks."),
     ] = None,
     optimizer: Annotated[
-        str, typer.Option(help="repair needs no language model; loop and adalflow need --lm.")
+        str, typer.Option(help=f"{known_optimizers()}.", show_default=True)
     ] = "repair",
-    lm: Annotated[
-        str | None, typer.Option(help="A language model, such as openai/gpt-4o-mini.")
-    ] = None,
-    planner: Annotated[
-        str, typer.Option(help="Who writes the plans: template (filled in) or lm.")
-    ] = "template",
+    lm: LmOption = None,
+    planner: PlannerOption = None,
+    planner_lm: PlannerLmOption = None,
     level: Annotated[
         Level, typer.Option(help="How much a textual gradient says; each includes those before it.")
     ] = Level.BLAME,
@@ -51,12 +62,19 @@ def optimize(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the run in --out.")] = False,
     seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
-    steps: Annotated[int, typer.Option(min=0, help="Steps at most.")] = 10,
+    steps: StepsOption = 10,
+    loss_calls: LossCallsOption = None,
+    lm_calls: LmCallsOption = None,
+    tokens: TokensOption = None,
+    cost: CostOption = None,
+    seconds: SecondsOption = None,
     version: VersionOption = Version.INITIAL,
     name: NameOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Optimize a skill against the model checker.
+
+    --steps and the options after it limit what may be spent; without a value there is no limit.
 
     Exit code 0: the skill is verified on every task, 1: it is not (the best version is kept).
     """
@@ -70,11 +88,12 @@ def optimize(
             tasks,
             optimizer=optimizer,
             lm=lm,
-            planner=_planner(planner),
+            planner=make_planner(planner, planner_lm),
+            planner_lm=planner_lm,
             level=level,
             out=out,
             resume=resume,
-            budget=steps,
+            budget=make_budget(steps, loss_calls, lm_calls, tokens, cost, seconds),
             seed=seed,
             on_event=progress,
         )
@@ -84,18 +103,6 @@ def optimize(
     else:
         _show(result, out, report)
     leave(ExitCode.HOLDS if result.verified else ExitCode.REFUTED)
-
-
-def _planner(name: str) -> Any:
-    from vaso.errors import OptimizerError
-
-    if name == "template":
-        return None
-    if name == "lm":
-        from vaso.modules import Planner
-
-        return Planner()
-    raise OptimizerError(f"there is no planner '{name}'", expected="template or lm")
 
 
 def _write_report(result: OptimizationResult, out: Path | None) -> Path | None:
