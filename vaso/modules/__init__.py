@@ -13,6 +13,7 @@ _EXPORTS = {
     "PlanWriter": "vaso.modules.plan_writer",
     "Planner": "vaso.modules.planner",
     "SkillProgram": "vaso.modules.skill_program",
+    "SkillRouter": "vaso.modules.routing",
     "SkillWriter": "vaso.modules.skill_writer",
     "SymbolicPlanner": "vaso.modules.symbolic",
     "read_quantities": "vaso.modules.quantities",
@@ -26,6 +27,7 @@ __all__ = [
     "PlanWriter",
     "Planner",
     "SkillProgram",
+    "SkillRouter",
     "SkillWriter",
     "SymbolicPlanner",
     "read_quantities",
@@ -40,6 +42,7 @@ if TYPE_CHECKING:
     from vaso.modules.plan_writer import PlanWriter
     from vaso.modules.planner import Planner
     from vaso.modules.quantities import read_quantities
+    from vaso.modules.routing import SkillRouter
     from vaso.modules.skill_program import SkillProgram
     from vaso.modules.skill_writer import SkillWriter
     from vaso.modules.symbolic import SymbolicPlanner

@@ -66,6 +66,15 @@ def instantiate(template: str, values: dict[str, Any]) -> str:
     return b"\n".join(lines).decode()
 
 
+def constants_of(code: str) -> set[str]:
+    """Names of the top-level constants of a text whose values are literals."""
+    try:
+        tree = ast.parse(code)
+    except (SyntaxError, ValueError):
+        return set()
+    return {literal.name for literal in _literals(tree)}
+
+
 def _place(literal: Literal) -> tuple[int, int]:
     return literal.node.lineno, literal.node.col_offset
 
@@ -116,12 +125,5 @@ def _quote(text: str) -> str:
 
 
 def _needs_object(skill: Skill) -> bool:
-    return _assigns(skill.labelling_code) and not _assigns(skill.plan_template)
-
-
-def _assigns(code: str) -> bool:
-    try:
-        tree = ast.parse(code)
-    except (SyntaxError, ValueError):
-        return False
-    return any(literal.name == OBJECT for literal in _literals(tree))
+    own, template = constants_of(skill.labelling_code), constants_of(skill.plan_template)
+    return OBJECT in own - template

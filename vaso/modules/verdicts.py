@@ -69,6 +69,16 @@ class Verdicts:
         """
         return self._judged(skill, plan, verifier)[1]
 
+    def explored(self, skill: Skill, plan: Plan, verifier: Any = None) -> VerificationResult:
+        """The verdict on a plan, with its automaton if there is one."""
+        result = self.result(skill, plan, verifier)
+        if result.system is not None:
+            return result
+        try:
+            return replace(result, system=compile_plan(plan, skill))
+        except VasoError:
+            return result
+
     def feedback(
         self,
         skill: Skill,
@@ -90,8 +100,9 @@ class Verdicts:
             edit = None
             if level is Level.REPAIR and not result:
                 edit = self._repair(skill, plan, verifier)
-            explored = _explored(skill, plan, result)
-            gradient = textual_gradient(explored, skill=skill, level=level, repair=edit)
+            if not result:  # the automaton says which propositions sensors decide
+                result = self.explored(skill, plan, verifier)
+            gradient = textual_gradient(result, skill=skill, level=level, repair=edit)
             entry.gradients[level] = str(gradient)
         return entry.gradients[level]
 
@@ -131,16 +142,6 @@ class Verdicts:
                     states += entry.result.states
                     if states > KEPT_STATES:
                         entry.result = replace(entry.result, system=None)
-
-
-def _explored(skill: Skill, plan: Plan, result: VerificationResult) -> VerificationResult:
-    """The result with its automaton, which says which propositions sensors decide."""
-    if result or result.system is not None:
-        return result
-    try:
-        return replace(result, system=compile_plan(plan, skill))
-    except VasoError:
-        return result
 
 
 def _digest(skill: Skill, plan: Plan) -> str:

@@ -119,14 +119,15 @@ def apply_edits(source: str, edits: Sequence[Edit]) -> str:
 def mark_edits(tree: ast.AST) -> Iterator[Edit]:
     """Record after each statement that grows a list how long it is, so elements have lines."""
     for node in ast.walk(tree):
-        target = _grown(node)
+        target = grown(node)
         if target and isinstance(node, ast.stmt):
             end_line, end = node.end_lineno or node.lineno, node.end_col_offset or 0
             code = f"; __vaso_mark__({target!r}, {target}, {node.lineno})"
             yield end_line, end, end_line, end, code
 
 
-def _grown(node: ast.AST) -> str | None:
+def grown(node: ast.AST) -> str | None:
+    """The variable that a statement may give a longer list; None if it does no such thing."""
     value = getattr(node, "value", None)
     if value is not None and _is_type(value):
         return None
@@ -170,6 +171,6 @@ def _assigned(node: ast.stmt) -> Iterator[str]:
     for inner in ast.walk(node):
         if isinstance(inner, (ast.FunctionDef, ast.ClassDef)):
             return
-        name = _grown(inner)
+        name = grown(inner)
         if name:
             yield name
