@@ -123,7 +123,7 @@ def test_a_rejected_key_ends_the_run_at_once(server, optimizer):
     assert len(server.requests) == 1 and "bad key" in result.stop_reason
 
 
-@pytest.mark.parametrize("limit", [1, 3, 4, 7])
+@pytest.mark.parametrize("limit", [1, 4, 7])
 def test_the_budget_of_model_calls_is_kept(server, optimizer, limit):
     result, _ = optimize(server, optimizer, STOPS, RECKLESS, NO_TAGS, budget={"lm_calls": limit})
     assert len(server.requests) == result.spent.lm_calls == limit
@@ -156,12 +156,12 @@ def test_the_same_seed_asks_the_same(server, optimizer):
     assert prompts[0] == prompts[1] and len(prompts[0]) >= 8
 
 
-@pytest.mark.parametrize("cut", [2, 5, 9])
+@pytest.mark.parametrize("cut", [2, 7])
 def test_resume_after_any_question_repeats_none(server, optimizer, cut, tmp_path):
     whole, _ = optimize(server, optimizer, *SCRIPT, seed=1)
     asked, server.requests = server.prompts, []
     options = {"seed": 1, "out": tmp_path / "out"}
-    _, model = optimize(server, optimizer, *SCRIPT, budget={"lm_calls": cut}, **options)
+    optimize(server, optimizer, *SCRIPT, budget={"lm_calls": cut}, **options)
     assert len(server.requests) == cut
     options |= {"lm": server.lm(), "optimizer": optimizer, "tasks": ONE_TASK}
     resumed = vaso.optimize(DRIVE, resume=True, budget=Budget(steps=30), **options)
