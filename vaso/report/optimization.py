@@ -82,11 +82,12 @@ def _costs(result: OptimizationResult) -> Markup:
         ("Model calls", f"{spent.lm_calls}", tokens if spent.lm_calls else "no language model"),
         ("Time", _duration(spent.seconds), "in all"),
     ]
-    return el("dl", [_tile(*tile) for tile in tiles], cls="tiles")
+    return el("div", [_tile(*tile) for tile in tiles], cls="tiles")
 
 
 def _tile(name: str, value: str, remark: str) -> Markup:
-    return el("div", el("dt", name), el("dd", value), el("dd", remark, cls="soft small"))
+    lines = ((name, "name"), (value, "figure"), (remark, "soft"))
+    return el("div", [el("div", text, cls=cls) for text, cls in lines])
 
 
 def _change(before: float, after: float) -> str:

@@ -37,4 +37,5 @@ def cell(*content: Child) -> Markup:
 def styles() -> str:
     """The style sheet of pages and of what they contain."""
     css = importlib.resources.files("vaso.report").joinpath("page.css").read_text(encoding="utf-8")
-    return variables(".vaso") + css + plot_styles()
+    # Repeated, a class outweighs what a notebook says about code and tables in its outputs.
+    return variables(".vaso") + css.replace(".vaso ", 3 * ".vaso" + " ") + plot_styles()

@@ -109,10 +109,10 @@ def _tried(step: StepRecord, texts: Mapping[str, str]) -> Markup:
 
 
 def _attempt(tried: Tried, texts: Mapping[str, str]) -> Markup:
-    score = "" if tried.score is None else f" (safety {percent(tried.score)})"
-    line = join(
-        el("span", "✗ ", cls="fail"), f"{tried.note or 'a new text'}: {tried.reason}{score}"
-    )
+    said = tried.score is None or "safety" in tried.reason
+    score = "" if said else f" (safety {percent(tried.score or 0.0)})"
+    told = prose(f"{tried.note or 'a new text'}: {tried.reason}{score}")
+    line = join(el("span", "✗ ", cls="fail"), told)
     changes = [
         join(el("p", NAMES.get(name, name), cls="small"), difference(texts.get(name, ""), text))
         for name, text in tried.texts.items()
