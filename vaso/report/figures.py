@@ -160,15 +160,19 @@ def _lanes(table: _Table) -> Iterator[Lane]:
     for n, name in enumerate(trace.values):
         yield Lane(name, tuple(_at(row.values, n) for row in table.rows))
     for name, truth in table.truths:
-        yield Lane(name, tuple("" if r.skipped else _yes(truth[r.step]) for r in table.rows))
+        yield Lane(name, tuple(_whether(truth, row) for row in table.rows))
 
 
 def _at(cells: tuple[str, ...], index: int) -> str:
     return cells[index] if cells else ""
 
 
-def _yes(value: bool) -> str:
-    return "yes" if value else "no"
+def _whether(truth: Sequence[bool], row: Row) -> str:
+    """Whether a formula is true in the steps of a column."""
+    if row.skipped:
+        return ""
+    found = set(truth[row.step : row.last + 1])
+    return {True: "yes", False: "no"}[found.pop()] if len(found) == 1 else "at times"
 
 
 def _edges(table: _Table) -> list[float]:
