@@ -147,17 +147,25 @@ def engines() -> list[tuple[str, Callable[[], Verifier]]]:
     ]
 
 
-def measure(load: Workload, repeats: int, limit: float = 60.0) -> list[Row]:
+def measure(
+    load: Workload,
+    repeats: int,
+    limit: float = 60.0,
+    on_engine: Callable[[str], None] | None = None,
+) -> list[Row]:
     """Check a workload with every engine and compare with the baseline.
 
     Args:
         load: The workload.
         repeats: Counted runs of each engine, after one that is not counted.
         limit: Seconds after which an engine gives up on a run.
+        on_engine: Called with the name of each engine before it runs.
     """
     rows: list[Row] = []
     baseline: float | None = None
     for name, make in engines():
+        if on_engine:
+            on_engine(name)
         seconds, verdicts = _time(make(), load, repeats, limit)
         baseline = seconds if name == BASELINE else baseline
         ratio = baseline / seconds if baseline and seconds else None

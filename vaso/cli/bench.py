@@ -4,13 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from typing import Annotated
+from functools import partial
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.box import SIMPLE
+from rich.console import Console
 from rich.table import Table
 
 from vaso.cli.common import JsonOption, console
+
+if TYPE_CHECKING:
+    from vaso.bench.verify import Row, Workload
+    from vaso.cli.progress import Progress
 
 app = typer.Typer(help="Measure on this machine; every number in the documentation is made here.")
 
@@ -30,24 +36,34 @@ def verify(
     """Compare engines on the same plans: a NuSMV process per rule, per plan, PyNuSMV, lasso."""
     from vaso.bench.machine import describe_machine
     from vaso.bench.verify import measure, workloads
+    from vaso.cli.progress import Progress
 
     out = console()
     if not as_json:
         out.print(f"Median of {repeats} runs on: {describe_machine()}")
-    for load in workloads():
-        rows = measure(load, repeats)
-        if as_json:
-            for row in rows:
-                print(json.dumps(dataclasses.asdict(row)))
-            continue
-        title = f"{load.name}: {rows[0].states} states, {rows[0].rules} rules"
-        table = Table("engine", "all rules", "faster by", "verdicts", title=title, box=SIMPLE)
+    with Progress("exploring plans") as progress:
+        for load in workloads():
+            rows = measure(load, repeats, on_engine=partial(_tell, progress, load.name))
+            with progress.aside():
+                _print(out, load, rows, as_json)
+            progress.update("exploring plans")
+
+
+def _tell(progress: Progress, load: str, engine: str) -> None:
+    progress.update(f"{load}: {engine}")
+
+
+def _print(out: Console, load: Workload, rows: list[Row], as_json: bool) -> None:
+    if as_json:
         for row in rows:
-            table.add_row(
-                row.engine, _seconds(row.seconds), _ratio(row.ratio), _tally(row.verdicts)
-            )
-        out.print(table)
-        out.print(f"exploring the plan took {_seconds(load.explore_seconds)}\n")
+            print(json.dumps(dataclasses.asdict(row)), flush=True)
+        return
+    title = f"{load.name}: {rows[0].states} states, {rows[0].rules} rules"
+    table = Table("engine", "all rules", "faster by", "verdicts", title=title, box=SIMPLE)
+    for row in rows:
+        table.add_row(row.engine, _seconds(row.seconds), _ratio(row.ratio), _tally(row.verdicts))
+    out.print(table)
+    out.print(f"exploring the plan took {_seconds(load.explore_seconds)}\n")
 
 
 def _seconds(value: float | None) -> str:

@@ -35,9 +35,12 @@ def check(
 
     Exit code 0: feasible, 1: infeasible (with the rules in conflict), 3: not decided.
     """
+    from vaso.cli.progress import Progress
     from vaso.feasibility import check as feasible
 
-    result = feasible(get_skill(skill, version, name, platform), timeout=timeout)
+    chosen = get_skill(skill, version, name, platform)
+    with Progress(f"checking {len(chosen.rules)} rules", limit=timeout):
+        result = feasible(chosen, timeout=timeout)
     if as_json:
         emit(result.to_json())
     else:

@@ -11,6 +11,7 @@ from vaso.cli.common import (
     ExitCode,
     JsonOption,
     NameOption,
+    PlatformOption,
     SkillArgument,
     Version,
     VersionOption,
@@ -88,6 +89,7 @@ def compare(
     ] = None,
     version: VersionOption = Version.INITIAL,
     name: NameOption = None,
+    platform: PlatformOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Compare optimizers on the same skill, tasks and budget, over several seeds.
@@ -106,8 +108,8 @@ def compare(
     from vaso.comparison import compare as run
 
     _check_plot(plot)
-    chosen = get_skill(skill, version, name)
-    with ComparisonProgress(console(stderr=True), steps) as progress:
+    chosen = get_skill(skill, version, name, platform)
+    with ComparisonProgress(steps) as progress:
         found = run(
             chosen,
             optimizers=optimizers,

@@ -11,6 +11,7 @@ from vaso.cli.common import (
     ExitCode,
     JsonOption,
     NameOption,
+    PlatformOption,
     SkillArgument,
     Version,
     VersionOption,
@@ -70,6 +71,7 @@ def optimize(
     seconds: SecondsOption = None,
     version: VersionOption = Version.INITIAL,
     name: NameOption = None,
+    platform: PlatformOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Optimize a skill against the model checker.
@@ -78,11 +80,11 @@ def optimize(
 
     Exit code 0: the skill is verified on every task, 1: it is not (the best version is kept).
     """
-    from vaso.cli.progress import Progress
+    from vaso.cli.progress import OptimizationProgress
     from vaso.optimizers import optimize as run
 
-    chosen = get_skill(skill, version, name)
-    with Progress(console(stderr=True)) as progress:
+    chosen = get_skill(skill, version, name, platform)
+    with OptimizationProgress(steps, seconds) as progress:
         result = run(
             chosen,
             tasks,

@@ -10,6 +10,7 @@ import typer
 from vaso.cli.common import (
     JsonOption,
     NameOption,
+    PlatformOption,
     SkillArgument,
     Version,
     VersionOption,
@@ -28,6 +29,7 @@ def plan(
     task: Annotated[str, typer.Argument(help='What to do: "move forward 5 meters".')],
     version: VersionOption = Version.VERIFIED,
     name: NameOption = None,
+    platform: PlatformOption = None,
     lm: Annotated[
         str | None,
         typer.Option(
@@ -39,8 +41,11 @@ def plan(
     as_json: JsonOption = False,
 ) -> None:
     """Write a plan for a task, guided by the skill's template."""
-    chosen = get_skill(skill, version, name)
-    written = make_plan(chosen, task, lm)
+    from vaso.cli.progress import Progress
+
+    chosen = get_skill(skill, version, name, platform)
+    with Progress(f"asking {lm}" if lm else "filling in the template"):
+        written = make_plan(chosen, task, lm)
     if out:
         write_text(out, written.source)
     if as_json:

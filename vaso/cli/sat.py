@@ -41,13 +41,20 @@ def sat(
 
     Exit code 0: all satisfiable, 1: some are not, 2: some cannot be read, 3: some not decided.
     """
+    from vaso.cli.progress import Progress
+
     texts = _texts(formulas or [], file)
     wants_core = not as_json if core is None else core
     seen: set[ExitCode] = set()
-    for group in filter(None, [list(texts)] if together else ([t] for t in texts)):
-        answer = decide(group, timeout=timeout, core=wants_core)
-        seen.add(_code(answer))
-        _print(answer, as_json)
+    total = 1 if together else _count(formulas or [], file)
+    with Progress("deciding formulas") as progress:
+        for number, group in enumerate([list(texts)] if together else ([t] for t in texts)):
+            progress.update(done=number, total=total)
+            if group:
+                answer = decide(group, timeout=timeout, core=wants_core)
+                seen.add(_code(answer))
+                with progress.aside():
+                    _print(answer, as_json)
     order = (ExitCode.BAD_INPUT, ExitCode.REFUTED, ExitCode.UNKNOWN)
     if not seen:
         raise _nothing()
@@ -100,6 +107,13 @@ def _texts(formulas: list[str], file: str | None) -> Iterator[str]:
     yield from formulas
     if file is not None:
         yield from (t for t in map(str.strip, _lines(file)) if t and not t.startswith(COMMENT))
+
+
+def _count(formulas: list[str], file: str | None) -> int:
+    """How many formulas there are; 0 where they come through a pipe."""
+    if file is not None and not Path(file).is_file():
+        return 0
+    return sum(1 for _ in _texts(formulas, file)) if formulas or file else 0
 
 
 def _nothing() -> FormulaError:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -117,9 +118,18 @@ def _render(skill: Skill | None, plan: Plan | None, chosen: Format, platform: st
 
 
 def _system(skill: Skill, plan: Plan | None, platform: str | None) -> TransitionSystem:
-    from vaso.plan.explore import compile_plan
+    from vaso.cli.progress import VerificationProgress
+    from vaso.plan.explore import Budget, compile_plan
 
-    return compile_plan(plan or skill.plan_template, skill, platform=platform)
+    budget = Budget()
+    with VerificationProgress(budget, timeout=0) as progress:
+        return compile_plan(
+            plan or skill.plan_template,
+            skill,
+            platform=platform,
+            budget=budget,
+            on_states=partial(progress, "exploring"),
+        )
 
 
 def _put(text: str, out: Path | None) -> None:

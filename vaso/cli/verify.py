@@ -48,20 +48,24 @@ def verify(
     Exit code 0: every rule holds, 1: one is violated, 2: the plan is not a program of this skill,
     3: not known or not supported.
     """
+    from vaso.cli.progress import VerificationProgress
     from vaso.plan.explore import Budget
     from vaso.plan.model import Plan
     from vaso.verification import verify as check_rules
 
     chosen = get_skill(skill, version, name, platform)
     read = get_plan(plan) if plan else Plan(source=chosen.plan_template)
-    result = check_rules(
-        chosen,
-        read,
-        platform=platform,
-        specs=spec or (),
-        budget=Budget(states=states),
-        timeout=timeout,
-    )
+    budget = Budget(states=states)
+    with VerificationProgress(budget, timeout) as progress:
+        result = check_rules(
+            chosen,
+            read,
+            platform=platform,
+            specs=spec or (),
+            budget=budget,
+            timeout=timeout,
+            on_progress=progress,
+        )
     if html:
         from vaso.report.html import verification_html
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -26,6 +26,8 @@ from vaso.plan.trajectory import Histories
 from vaso.plan.transition_system import Cut, Edge, Scalar, Sensor, State, TransitionSystem
 from vaso.platforms import Platform, get_platform
 from vaso.skill import Skill
+
+REPORTED = 50  # a word on progress after so many states
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,6 +52,7 @@ def compile_plan(
     platform: str | Platform | None = None,
     formulas: Sequence[Formula] = (),
     budget: Budget | None = None,
+    on_states: Callable[[int], None] | None = None,
 ) -> TransitionSystem:
     """Compile a plan into the transition system of all its behaviours.
 
@@ -59,6 +62,7 @@ def compile_plan(
         platform: Overrides the skill's platform.
         formulas: Formulas that will be checked besides the skill's own rules.
         budget: Bounds of the exploration.
+        on_states: Called now and then with the number of states that were found so far.
 
     Returns:
         A total system. Where exploration met a bound or an unsupported construct, ``cut`` says so.
@@ -74,10 +78,10 @@ def compile_plan(
     needed = {n for f in (*rules, *formulas) for n in (*propositions(f), *variables(f))}
     with _Session(plan, skill, robot, needed) as session:
         try:
-            return _Exploration(session, budget or Budget()).run()
+            return _Exploration(session, budget or Budget(), on_states).run()
         except ClockReadError:
             session.clock = session.labelling.uses_clock = True
-            return _Exploration(session, budget or Budget()).run()
+            return _Exploration(session, budget or Budget(), on_states).run()
 
 
 class _Session:
@@ -127,9 +131,12 @@ class _Session:
 class _Exploration:
     """Breadth-first search over configurations."""
 
-    def __init__(self, session: _Session, budget: Budget) -> None:
+    def __init__(
+        self, session: _Session, budget: Budget, on_states: Callable[[int], None] | None = None
+    ) -> None:
         self.session = session
         self.budget = budget
+        self.on_states = on_states
         self.labeller = Labeller(
             session.labelling,
             session.robot,
@@ -163,6 +170,7 @@ class _Exploration:
         self._add(self.stepper.initial(), 0)
         while self.queue and not self._spent():
             number = self.queue.popleft()
+            self._tell(number, len(self.states))
             edges = self._expand(number)
             if edges is None:
                 self._close(number)
@@ -171,6 +179,11 @@ class _Exploration:
         for number in self.queue:
             self._close(number)
         return self._system()
+
+    def _tell(self, turn: int, states: int) -> None:
+        """Say now and then how many states there are."""
+        if self.on_states is not None and turn % REPORTED == 0:
+            self.on_states(states)
 
     def _spent(self) -> bool:
         if len(self.states) > self.budget.states:
@@ -215,6 +228,7 @@ class _Exploration:
             here = self.stepper.step(here, Reader({}))
             if here.history != histories[-1]:
                 histories.append(here.history)
+                self._tell(len(histories), len(self.states) + len(histories))
         self.labeller.prefill(config, histories)
 
     def _expand(self, number: int) -> tuple[Edge, ...] | None:

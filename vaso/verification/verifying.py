@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from vaso.errors import LabellingError, PlanError, UnsupportedPlanError
@@ -19,7 +20,9 @@ from vaso.verification.cuts import explain
 from vaso.verification.task import Finding, Task
 from vaso.verifiers import Verifier, get_verifier
 
-__all__ = ["verify"]
+__all__ = ["OnProgress", "verify"]
+
+OnProgress = Callable[[str, int], None]
 
 
 def verify(
@@ -32,6 +35,7 @@ def verify(
     budget: Budget | None = None,
     timeout: float = 60.0,
     counterexamples: bool = True,
+    on_progress: OnProgress | None = None,
 ) -> VerificationResult:
     """Check every rule of a skill on every behaviour of a plan.
 
@@ -48,6 +52,8 @@ def verify(
         budget: Bounds of the exploration.
         timeout: Seconds for model checking, all rules together.
         counterexamples: Whether to compute counterexamples.
+        on_progress: Called now and then with ``exploring`` and the number of states found so far,
+            then with ``checking`` and the number of rules.
 
     Returns:
         One verdict per rule, in the order of the skill, then one per spec. A plan or labelling
@@ -68,7 +74,12 @@ def verify(
     engine = get_verifier(verifier)
     try:
         system = compile_plan(
-            plan, skill, platform=robot, formulas=[r.formula for r in rules], budget=budget
+            plan,
+            skill,
+            platform=robot,
+            formulas=[r.formula for r in rules],
+            budget=budget,
+            on_states=partial(on_progress, "exploring") if on_progress else None,
         )
     except (PlanError, LabellingError) as error:
         results = tuple(r.undecided(robot, str(error)) for r in rules)
@@ -76,6 +87,8 @@ def verify(
         return VerificationResult(
             results, seconds=seconds, plan=plan.source, problem=_problem(error)
         )
+    if on_progress:
+        on_progress("checking", len(rules))
     task = Task(system, skill, robot, engine, timeout, counterexamples)
     findings = task.findings([r.formula for r in rules])
     results = tuple(
