@@ -93,21 +93,27 @@ from vaso.optimizers import Budget
 from vaso.skill_file import load_tasks
 
 if __name__ == "__main__":
-    url, optimizer, out, resume = sys.argv[1:]
+    url, optimizer, out, resume, steps = sys.argv[1:]
     lm = dspy.LM("openai/test", api_base=url, api_key="none", cache=False, num_retries=0,
                  temperature=1.0)
     result = vaso.optimize("drive", load_tasks("drive").seen[:2], optimizer=optimizer, lm=lm,
                            out=out, resume=resume == "1", level="verdict",
-                           budget=Budget(steps=4), seed=3)
+                           budget=Budget(steps=int(steps)), seed=3)
     print(result.spent.lm_calls, result.spent.loss_calls)
 """
+
+
+STEPS = {"adalflow": 1, "loop": 2}
+"""Steps of a run, where one step is many candidates."""
 
 
 def in_a_process(server, optimizer, out, *, resume=False):
     """Run; the server's faults may kill the process."""
     script = Path(out).parent / "run.py"
     script.write_text(textwrap.dedent(RUN))
-    command = [sys.executable, str(script), server.url, optimizer, str(out), str(int(resume))]
+    steps = STEPS.get(optimizer, 4)
+    told = [server.url, optimizer, str(out), str(int(resume)), str(steps)]
+    command = [sys.executable, str(script), *told]
     environment = {**os.environ, "PYTHONPATH": str(Path(vaso.__file__).parent.parent)}
     process = subprocess.Popen(
         command, env=environment, cwd=Path(out).parent, stdout=-1, stderr=-1, text=True
