@@ -70,3 +70,20 @@ def test_wrong_arguments(vaso, arguments, monkeypatch):
     assert found.code == 2, found
     assert found.out == ""
     assert "Traceback" not in found.err
+
+
+def test_every_budget_is_kept(vaso):
+    found = vaso("optimize", "drive", "--tasks", TASK, "--loss-calls", "1", "--json")
+    assert found.code == 1
+    assert found.json["stop_reason"] == "the budget of 1 loss calls is spent"
+    assert vaso("optimize", "drive", "--tasks", TASK, "--seconds", "0").code == 1
+    arguments = ["--optimizer", "loop", "--lm", "edits", "--lm-calls", "0", "--tokens", "5"]
+    found = vaso("optimize", "drive", "--tasks", TASK, *arguments, "--json")
+    assert found.code == 1 and found.json["spent"]["lm_calls"] == 0
+
+
+def test_a_model_for_plans_alone(vaso):
+    arguments = ["--tasks", TASK, "--planner-lm", "edits", "--json"]
+    found = vaso("optimize", "drive", *arguments)
+    assert found.code == 0 and found.json["spent"]["lm_calls"] > 0
+    assert vaso("optimize", "drive", *arguments, "--planner", "template").code == 2

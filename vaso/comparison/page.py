@@ -8,6 +8,7 @@ from urllib.parse import quote
 
 from vaso.comparison.columns import COLUMNS, show
 from vaso.comparison.rows import Row
+from vaso.comparison.running import REPORT
 from vaso.comparison.statistic import Summary
 from vaso.comparison.table import columns, headline, in_parallel
 from vaso.report.listing import diff_block
@@ -24,6 +25,7 @@ MORE = {"steps": "accepted", "loss_calls": "memo_hits"}
 STYLE = """
 .vaso table.numbers { font-variant-numeric: tabular-nums; }
 .vaso table.numbers .number { text-align: right; white-space: nowrap; }
+.vaso table.numbers thead th { white-space: normal; vertical-align: bottom; }
 """
 READING = (
     "Share of the rules that the plans keep, mean over the tasks, after so many verifications of a "
@@ -56,7 +58,7 @@ def _parts(comparison: Comparison, *, links: bool) -> Iterable[Markup]:
         yield el("p", READING, cls="soft")
         yield el("div", _plot(comparison), cls="card")
         yield el("h2", "Runs")
-        yield _runs(comparison)
+        yield _runs(comparison, links)
         yield join([_details(row, links) for row in comparison.rows])
     yield el("h2", "What was measured, and on what")
     yield _facts(comparison)
@@ -98,21 +100,28 @@ def _heading(name: str) -> Markup:
     return el("th", column.label, scope="col", title=column.meaning, cls="number")
 
 
-def _runs(comparison: Comparison) -> Markup:
+def _runs(comparison: Comparison, links: bool) -> Markup:
     names = [n for name in columns(comparison) for n in (name, MORE.get(name)) if n]
     head = [el("th", "optimizer", scope="col"), _heading("seed"), el("th", "verified", scope="col")]
     head += [_heading(name) for name in names]
-    return _table(head, [_run_row(row, names) for row in comparison.rows])
+    return _table(head, [_run_row(row, names, links) for row in comparison.rows])
 
 
-def _run_row(row: Row, names: Sequence[str]) -> Markup:
+def _run_row(row: Row, names: Sequence[str], links: bool) -> Markup:
     return el(
         "tr",
-        el("th", row.optimizer, scope="row"),
+        el("th", _link(row, row.optimizer) if links else row.optimizer, scope="row"),
         _value(str(row.seed)),
         el("td", _verdict(row)),
         [_value(show(name, getattr(row, name))) for name in names],
     )
+
+
+def _link(row: Row, text: str) -> Markup | str:
+    """A text that leads to the report of a run, where it has one."""
+    if not row.folder or row.safety is None:
+        return text
+    return el("a", text, href=f"{quote(row.folder)}/{REPORT}")
 
 
 def _verdict(row: Row) -> Markup:
@@ -141,13 +150,12 @@ def _details(row: Row, links: bool) -> Markup:
     title = join(f"{row.name} ", _verdict(row))
     notes = [el("li", note) for note in row.notes if note]
     violated = [el("li", el("code", rule)) for rule in row.violated]
-    report = el("p", el("a", "report of the run", href=f"{quote(row.folder)}/report.html"))
     return folded(
         title,
         join(
             el("p", row.error, cls="banner fail") if row.error else None,
             el("p", f"It stopped because {row.stop_reason}.") if row.stop_reason else None,
-            report if links and row.folder and not row.error else None,
+            el("p", _link(row, "Report of the run")) if links and row.folder else None,
             join(el("p", "Accepted:"), el("ul", notes)) if notes else None,
             join(el("p", "Still violated:"), el("ul", violated)) if violated else None,
             diff_block(row.diff) if row.diff else None,

@@ -147,6 +147,11 @@ class Comparison(BaseModel):
 
     # -- views -----------------------------------------------------------------------------------
 
+    def __repr__(self) -> str:
+        return (
+            f"Comparison({self.setup.skill!r}, {', '.join(self.optimizers)}, {len(self.rows)} runs)"
+        )
+
     def __str__(self) -> str:
         from vaso.comparison.table import plain_text
 

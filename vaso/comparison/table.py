@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -38,7 +38,7 @@ def comparison_view(comparison: Comparison) -> Group:
     parts: list[RenderableType] = [Text(headline(comparison), style="bold")]
     if comparison.rows:
         parts += [_table(comparison), Text(_legend(comparison), style="dim")]
-    parts += [problem for row in comparison.rows for problem in _problems(row)]
+    parts += _problems(comparison.rows)
     if comparison.interrupted:
         there = sum(not row.interrupted for row in comparison.rows)
         text = f"interrupted: {there} of {count(comparison.planned, 'run')} came to an end"
@@ -121,9 +121,15 @@ def in_parallel(comparison: Comparison) -> int:
     return workers if workers > 1 else 0
 
 
-def _problems(row: Row) -> Iterator[Text]:
-    if row.error:
-        yield Text(f"✗ {row.name}: ", style="red").append(row.error, style="default")
-    elif not row.verified and not row.interrupted:
-        text = f"{row.name}: not verified, safety {percent(row.safety or 0.0)}; {row.stop_reason}"
-        yield Text(text, style="yellow")
+def _problems(rows: Iterable[Row]) -> Iterator[Text]:
+    """Why runs failed, or ended without a verified skill; equal ones together."""
+    found: dict[tuple[str, str, str], list[Row]] = {}
+    for row in rows:
+        if row.error:
+            found.setdefault((row.optimizer, "✗ failed", row.error), []).append(row)
+        elif not row.verified and not row.interrupted:
+            found.setdefault((row.optimizer, "not verified", row.stop_reason), []).append(row)
+    for (optimizer, what, why), same in found.items():
+        seeds = ", ".join(str(row.seed) for row in same)
+        which = f"{optimizer}, seed{'' if len(same) == 1 else 's'} {seeds}: "
+        yield Text(which).append(what, style="red").append(f": {why}")
