@@ -90,8 +90,8 @@ def process(path: Path, *, update: bool = False, timeout: int = 300) -> str:
     if problem:
         return problem
     if not update:
-        return "\n".join(_differences(committed, executed))
-    _keep_equal_outputs(committed, executed)
+        return "\n".join(differences(committed, executed))
+    keep_equal_outputs(committed, executed)
     path.write_text(text_of(executed), encoding="utf-8")
     return ""
 
@@ -129,7 +129,7 @@ def execute(notebook: Any, *, timeout: int = 300) -> tuple[Any, str]:
         except DeadKernelError as error:
             return fresh, f"{error}\n{log.read_text(encoding='utf-8', errors='replace')[-2000:]}"
     normalise(fresh)
-    return fresh, "\n".join(_complaints(fresh))
+    return fresh, "\n".join(complaints(fresh))
 
 
 def _kernel(home: Path) -> Any:
@@ -214,7 +214,8 @@ def text_of(notebook: Any) -> str:
     return nbformat.writes(notebook, indent=1, ensure_ascii=False, sort_keys=True) + "\n"
 
 
-def _complaints(notebook: Any) -> Iterator[str]:
+def complaints(notebook: Any) -> Iterator[str]:
+    """What nobody wants to read in a notebook."""
     for number, cell in enumerate(notebook.cells, start=1):
         for output in cell.get("outputs", []):
             if output.get("name") == "stderr":
@@ -224,7 +225,13 @@ def _complaints(notebook: Any) -> Iterator[str]:
 # -- comparing -------------------------------------------------------------------------------------
 
 
-def _differences(committed: Any, executed: Any) -> Iterator[str]:
+def differences(committed: Any, executed: Any) -> Iterator[str]:
+    """The cells whose output is not what was committed.
+
+    Args:
+        committed: The notebook as it is in its file.
+        executed: The same one, executed.
+    """
     pairs = zip(committed.cells, executed.cells, strict=True)
     for number, (old, new) in enumerate(pairs, start=1):
         if not _is_equal(old, new):
@@ -259,7 +266,7 @@ def _lines(text: str) -> list[str]:
     return DURATION.sub("… s", STYLES.sub("", text)).splitlines()
 
 
-def _keep_equal_outputs(committed: Any, executed: Any) -> None:
+def keep_equal_outputs(committed: Any, executed: Any) -> None:
     """Leave outputs that say the same as they are, so that a diff shows what has changed."""
     for old, new in zip(committed.cells, executed.cells, strict=True):
         if new.cell_type == "code" and old.get("outputs") and _is_equal(old, new):

@@ -276,10 +276,15 @@ def _text(text: str, x: float, y: float, cls: str, anchor: str | None = None) ->
 # -- files -----------------------------------------------------------------------------------------
 
 
+def _fitting(width: re.Match[str]) -> str:
+    return f'width="{min(float(width.group(1)), WIDEST):g}"'
+
+
 def _alone(svg: Markup, rules: str) -> str:
     """A drawing as a file of its own: with name space, colours and styles."""
     opening, content = svg.split(">", 1)
     opening = re.sub(' class="[^"]*"', "", opening)
+    opening = re.sub('width="([^"]*)"', _fitting, opening, count=1)
     frame = ".vaso-figure { display: block; max-width: 100%; height: auto; "
     style = f"{frame}background: var(--paper); font-family: {FONT}; }}\n{rules}"
     styles = el("style", Markup(variables(".vaso-figure") + style))
