@@ -34,6 +34,34 @@ def scripted() -> Callable[..., Any]:
 
 
 @pytest.fixture
+def verdicts():
+    """The memo of verdicts, empty."""
+    from vaso.modules.verdicts import verdicts as memo
+
+    memo.clear()
+    memo.verifications = 0
+    return memo
+
+
+@pytest.fixture
+def memory_cache():
+    """dspy's cache in memory alone, and empty."""
+    before = dspy.cache
+    dspy.configure_cache(enable_disk_cache=False)
+    yield
+    dspy.cache = before
+
+
+@pytest.fixture
+def server():
+    """A scripted server, whose model dspy asks."""
+    from openai_server import OpenAIServer
+
+    with OpenAIServer() as running, dspy.context(lm=running.lm()):
+        yield running
+
+
+@pytest.fixture
 def skill() -> Skill:
     return Skill(
         name="drive",

@@ -52,3 +52,15 @@ Drive ahead.
 ```python
 {TEMPLATE}```
 """
+
+
+BLIND = """\
+while True:
+    forward()
+"""
+"""A plan that does not look for people."""
+
+
+def field(name: str, text: str) -> str:
+    """A reply in the format of dspy's chat adapter."""
+    return f"[[ ## {name} ## ]]\n{text}\n\n[[ ## completed ## ]]"

@@ -30,7 +30,7 @@ class Attempt:
 
     Attributes:
         plan: The plan.
-        result: Its verification.
+        result: Its verification, without the automaton, which may be large.
         feedback: The textual gradient.
     """
 
@@ -145,6 +145,7 @@ class Search:
             plan=best.plan,
             source=best.plan.source,
             task=self.task,
+            skill=self.skill,
             verified=bool(best.result),
             verdict=best.result.verdict,
             result=best.result,

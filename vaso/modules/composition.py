@@ -75,6 +75,16 @@ class Composition:
         """True when the whole keeps all global rules, and each part is verified and reached."""
         return bool(self.result) and all(part.verified for part in self.parts)
 
+    @property
+    def safety(self) -> float:
+        """Mean over the whole plan and its parts of the fraction of rules that pass.
+
+        A part that is never reached counts as zero, and so does a whole that does not exist.
+        """
+        whole = self.result.safety if self.result is not None else 0.0
+        parts = [part.result.safety if part.reached else 0.0 for part in self.parts]
+        return (whole + sum(parts)) / (1 + len(parts))
+
     def where(self, line: int | None) -> str:
         """Say which part a line of the whole plan belongs to: ``part 2 (drive), line 3``."""
         for number, part in enumerate(self.parts, start=1):
@@ -120,7 +130,7 @@ def compose(
         parts=placed,
         plan=plan,
         skill=merged.skill,
-        result=result,
+        result=replace(result, system=None),
         feedback=_feedback(
             placed, "" if result else verdicts.feedback(merged.skill, plan, level, verifier)
         ),

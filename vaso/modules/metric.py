@@ -9,14 +9,13 @@ from typing import Any
 import dspy
 
 from vaso.errors import SkillError
-from vaso.gradient import textual_gradient
 from vaso.gradient.model import Level
 from vaso.modules.asking import code_of
+from vaso.modules.composition import Composition
 from vaso.modules.verdicts import verdicts
 from vaso.plan.model import Plan
 from vaso.skill import Skill
 from vaso.skill_file import load_skill
-from vaso.verdict import VerificationResult
 from vaso.verifiers import Verifier
 
 ALMOST = 1.0 - 1e-6
@@ -35,8 +34,9 @@ def verifier_metric(
     """A metric that verifies plans: ``metric(gold, pred, trace, pred_name, pred_trace)``.
 
     Args:
-        skill: The skill whose rules count. By default the prediction's own ``result`` counts, as a
-            :class:`~vaso.modules.SkillProgram` returns it.
+        skill: The skill whose rules count. By default the one that the prediction names in its
+            field ``skill``, as those of a :class:`~vaso.modules.SkillProgram` do. Of the
+            prediction of a :class:`~vaso.modules.SkillRouter`, the parts count as well.
         level: How much the feedback says: ``verdict``, ``trace``, ``blame`` or ``repair``.
         field: The output field that holds the plan: a text (fences are removed) or a plan.
         feedback: False gives a plain number.
@@ -63,7 +63,7 @@ class VerifierMetric:
     verified twice, by this metric or by a :class:`~vaso.modules.SkillProgram`.
 
     Attributes:
-        skill: The skill whose rules count, or None for the prediction's own result.
+        skill: The skill whose rules count, or None for the prediction's own.
         level: How much the feedback says.
         field: The output field that holds the plan.
         feedback: Whether there is feedback with the score.
@@ -98,7 +98,7 @@ class VerifierMetric:
             bootstrapped: whether the plan is verified.
 
         Raises:
-            SkillError: The metric has no skill and the prediction no result.
+            SkillError: Neither the metric nor the prediction names a skill.
         """
         score, feedback = self._judged(pred)
         if trace is not None and pred_name is None:
@@ -106,14 +106,16 @@ class VerifierMetric:
         return dspy.Prediction(score=score, feedback=feedback) if self.feedback else score
 
     def _judged(self, pred: Any) -> tuple[float, str]:
+        composition = getattr(pred, "composition", None)
+        if self.skill is None and isinstance(composition, Composition):
+            return _score(bool(composition), composition.safety), composition.feedback
         plan = self._plan(pred)
         if plan is None:
             return 0.0, NO_PLAN.format(field=self.field)
-        if self.skill is None:
-            result = _result_of(pred, plan)
-            return _score(result), str(textual_gradient(result, level=self.level))
-        result = verdicts.result(self.skill, plan, self.verifier)
-        return _score(result), verdicts.feedback(self.skill, plan, self.level, self.verifier)
+        skill = self.skill or _skill_of(pred)
+        result = verdicts.result(skill, plan, self.verifier)
+        feedback = verdicts.feedback(skill, plan, self.level, self.verifier)
+        return _score(bool(result), result.safety), feedback
 
     def _plan(self, pred: Any) -> Plan | None:
         found = getattr(pred, self.field, None)
@@ -123,16 +125,15 @@ class VerifierMetric:
         return Plan(source=source) if source else None
 
 
-def _score(result: VerificationResult) -> float:
-    return 1.0 if result else min(result.safety, ALMOST)
+def _score(verified: bool, safety: float) -> float:
+    return 1.0 if verified else min(safety, ALMOST)
 
 
-def _result_of(pred: Any, plan: Plan) -> VerificationResult:
-    """The prediction's own result, if it is about its plan."""
-    result = getattr(pred, "result", None)
-    if isinstance(result, VerificationResult) and result.plan == plan.source:
-        return result
+def _skill_of(pred: Any) -> Skill:
+    skill = getattr(pred, "skill", None)
+    if isinstance(skill, Skill):
+        return skill
     raise SkillError(
-        "the prediction does not say how its plan was verified",
+        "the prediction does not say which skill its plan is of",
         expected="verifier_metric(skill), or the prediction of a vaso.modules.SkillProgram",
     )

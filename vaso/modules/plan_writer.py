@@ -25,6 +25,8 @@ from vaso.skill import ParameterName, Skill
 
 HEADING = "Plan template:"
 NOTHING = "none"
+SAVED: tuple[ParameterName, ...] = ("local_rule", "labelling_code")
+"""The texts that the instructions do not hold."""
 GUIDANCE = f"""{WritePlan.instructions.strip()}
 
 If there is a previous plan, the feedback says what a model checker found wrong with it: write a
@@ -41,11 +43,8 @@ class PlanWriter(dspy.Predict):  # type: ignore[misc]
     """Writes the plans of one skill.
 
     Attributes:
-        signature: Task, rules, interfaces, previous plan and feedback in; plan out. Its
-            instructions hold the plan template in a fenced block.
+        base: The skill, whose template is the one that the instructions hold.
     """
-
-    signature: Any
 
     def __init__(self, skill: Skill) -> None:
         """Configure.
@@ -60,10 +59,26 @@ class PlanWriter(dspy.Predict):  # type: ignore[misc]
     # -- the skill's texts ---------------------------------------------------------------------
 
     @property
+    def signature(self) -> Any:
+        """Task, rules, interfaces, previous plan and feedback in; plan out.
+
+        The instructions hold the plan template in a fenced block. Where an optimizer writes bare
+        code as instructions, it is taken as the template alone.
+        """
+        return self._signature
+
+    @signature.setter
+    def signature(self, signature: Any) -> None:
+        written = signature.__doc__ or ""  # its property ``instructions`` removes indentation
+        if _block(written) is None and _is_program(written):
+            signature = signature.with_instructions(with_template(GUIDANCE, written))
+        self._signature = signature
+
+    @property
     def skill(self) -> Skill:
         """The skill, with the template that the instructions hold."""
         template = template_of(self.signature.instructions)
-        if template.strip("\n") == self.base.plan_template.strip("\n"):
+        if template == self.base.plan_template.expandtabs().strip("\n"):
             return self.base
         return self.base.with_parameters({"plan_template": template})
 
@@ -74,11 +89,11 @@ class PlanWriter(dspy.Predict):  # type: ignore[misc]
         self.base = skill
 
     def dump_state(self, json_mode: bool = True) -> dict[str, Any]:
-        """The state of a ``dspy.Predict`` with the texts that the instructions do not hold."""
+        """The state of a ``dspy.Predict``, with the texts that the instructions do not hold."""
         texts = self.base.parameters
-        kept = {"name": self.base.name, "labelling_code": texts["labelling_code"]}
         state: dict[str, Any] = super().dump_state(json_mode=json_mode)
-        return state | {"skill": kept | {"local_rule": texts["local_rule"]}}
+        kept: dict[str, str] = {name: texts[name] for name in SAVED}
+        return state | {"skill": {"name": self.base.name} | kept}
 
     def load_state(self, state: dict[str, Any], **options: Any) -> PlanWriter:
         """Take up a saved state. The global rules stay those of this program's skill.
@@ -92,9 +107,11 @@ class PlanWriter(dspy.Predict):  # type: ignore[misc]
                 f"the saved state is of the skill '{kept['name']}'",
                 expected=f"a state of '{self.base.name}'",
             )
+        own = self.base.parameters
         texts: dict[ParameterName, str] = {
-            "local_rule": kept.get("local_rule", self.base.parameters["local_rule"]),
-            "labelling_code": kept.get("labelling_code", self.base.labelling_code),
+            name: kept[name]
+            for name in SAVED
+            if name in kept and kept[name].strip("\n") != own[name].strip("\n")
         }
         base = self.base.with_parameters(texts)
         super().load_state({k: v for k, v in state.items() if k != "skill"}, **options)
@@ -183,21 +200,17 @@ def with_template(instructions: str, template: str) -> str:
     block = f"{fence}python\n{template.strip(chr(10))}\n{fence}"
     if found := _block(instructions):
         return instructions[: found.start()] + block + instructions[found.end() :]
-    if _is_program(instructions):
-        return block
     return f"{instructions.rstrip()}\n\n{HEADING}\n\n{block}"
 
 
 def template_of(instructions: str) -> str:
-    """The plan template in instructions: their longest Python block, or all of them if it is code.
+    """The plan template in instructions: their longest Python block.
 
     Returns:
         The template, or an empty string where the instructions hold none.
     """
     found = _block(instructions)
-    if found is not None:
-        return str(found.group(3)).strip("\n")
-    return instructions.strip("\n") if _is_program(instructions) else ""
+    return str(found.group(3)).strip("\n") if found else ""
 
 
 def _block(instructions: str) -> re.Match[str] | None:

@@ -6,6 +6,7 @@ import asyncio
 import inspect
 from collections.abc import Awaitable
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -30,7 +31,7 @@ class SkillProgram(dspy.Module):  # type: ignore[misc]
 
     Calling it with a ``task`` gives a ``dspy.Prediction`` with the fields
 
-    * ``plan`` (:class:`~vaso.plan.Plan`), ``source`` (its text) and ``task``;
+    * ``plan`` (:class:`~vaso.plan.Plan`), ``source`` (its text), ``task`` and ``skill``;
     * ``verified``: True only if every rule passes on every behaviour of the plan;
     * ``verdict``, ``result`` (:class:`~vaso.verdict.VerificationResult`), ``counterexample`` (the
       first one, or None) and ``feedback`` (the textual gradient);
@@ -158,7 +159,7 @@ class SkillProgram(dspy.Module):  # type: ignore[misc]
     def _judged(self, search: Search, plan: Plan) -> Attempt:
         result = verdicts.result(search.skill, plan, self.verifier)
         feedback = verdicts.feedback(search.skill, plan, self.level, self.verifier)
-        return Attempt(plan, result, feedback)
+        return Attempt(plan, replace(result, system=None), feedback)
 
     def _draw(self, search: Search) -> Plan:
         inputs = search.inputs()

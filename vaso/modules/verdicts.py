@@ -112,6 +112,11 @@ class Verdicts:
 
         return find_repair(skill, plan.source, verify=verified, parameter="plan")
 
+    def clear(self) -> None:
+        """Forget every verdict."""
+        with self._lock:
+            self._entries.clear()
+
     def _judged(self, skill: Skill, plan: Plan, verifier: Any) -> tuple[_Entry, VerificationResult]:
         entry = self._entry((_digest(skill, plan), verifier))
         with entry.lock:
