@@ -129,10 +129,11 @@ def objection(
     """
     before, after = Standing.of(best, cases), Standing.of(new, cases)
     error = next((v.error for v in new.values() if v.error), "")
+    why = f": {error}" if error else ""
     if len(new) < len(cases):
-        return _fell(new, cases, before) + (f": {error}" if error else "")
+        return _fell(new, cases, before) + why
     if after.safety < before.safety - EPSILON:
-        return f"safety would fall from {before.safety:.3f} to {after.safety:.3f}"
+        return f"safety would fall from {before.safety:.3f} to {after.safety:.3f}{why}"
     for case in cases:
         if case in best and new[case].completion < best[case].completion - EPSILON:
             lost = ", ".join(new[case].lost) or "something the plan could do"

@@ -97,7 +97,9 @@ def question(params: Parameters, name: str, tried: Tried) -> dict[str, str]:
 
 def feedback_on(name: str, value: LossValue) -> str:
     """What a model is told about what is wrong with a text."""
-    return "\n\n".join(filter(None, (value.feedback.get(name), verdict_text(value))))
+    verdict = verdict_text(value)
+    named = value.feedback.get(name, "").splitlines()
+    return "\n\n".join([*(line for line in named if line not in verdict), verdict])
 
 
 def to_blame(value: LossValue, params: Parameters) -> str:
