@@ -68,6 +68,7 @@ def test_a_model_that_cannot_be_reached(skill):
         ("Here:\n```python\nstop()\n", "stop()\n"),
         ("stop()\n```", "stop()\n"),
         ("```python\nstop()```", "stop()\n"),
+        ("```python\nstop()```\nGood luck!", "stop()\n"),
         ("```", ""),
         ("", ""),
     ],
