@@ -36,9 +36,10 @@ class ComparisonProgress(Progress):
             self._found = told.done - (told.event is None)
         key = told.optimizer, told.seed
         step = told.event.step if told.event else 0
-        self._shares[key] = step / (self._steps + 1)
         if told.event is None:
-            del self._shares[key]
+            self._shares.pop(key, None)
+        elif step:
+            self._shares[key] = step / (self._steps + 1)
         text = f"{told.done} of {told.runs} runs, {told.optimizer}, seed {told.seed}"
         text += f", step {step}" if step else ""
         # Runs that were found on resuming took no time.
