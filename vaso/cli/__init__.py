@@ -9,8 +9,11 @@ from __future__ import annotations
 import contextlib
 import errno
 import json
+import logging
 import os
 import sys
+from collections.abc import Iterator
+from pathlib import Path
 
 from vaso.errors import VasoError
 
@@ -20,6 +23,7 @@ HELP_WANTED = "this is an error in VASO itself, not in your input; please report
 
 def main() -> None:
     """Run the command line and exit."""
+    _keep_dspy_s_cache_with_ours()
     sys.exit(run(sys.argv[1:]))
 
 
@@ -37,7 +41,8 @@ def run(arguments: list[str]) -> int:
         _replace_closed_streams()
     _forgive_encoding()
     try:
-        return _call([a for a in arguments if a != "--debug"])
+        with contextlib.nullcontext() if debug else _hushed():
+            return _call([a for a in arguments if a != "--debug"])
     except VasoError as error:
         return _bad_input(error, as_json="--json" in arguments, debug=debug)
     except KeyboardInterrupt:
@@ -54,6 +59,29 @@ def run(arguments: list[str]) -> int:
         return 2
     except Exception as error:
         return _internal(error, debug=debug)
+
+
+def _keep_dspy_s_cache_with_ours() -> None:
+    """Have dspy keep answers of models in ``~/.cache/vaso``, where PyNuSMV's build is as well.
+
+    Only the program does this: whoever uses the library has settings of dspy of their own.
+    """
+    with contextlib.suppress(RuntimeError):  # there is no home folder
+        base = Path(os.environ.get("XDG_CACHE_HOME") or "")
+        folder = base if base.is_absolute() else Path.home() / ".cache"
+        os.environ.setdefault("DSPY_CACHEDIR", str(folder / "vaso" / "dspy"))
+
+
+@contextlib.contextmanager
+def _hushed() -> Iterator[None]:
+    """Keep from the terminal what dspy logs about replies, such as that one was cut off."""
+    log = logging.getLogger("dspy.clients.lm")
+    level = log.level
+    log.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        log.setLevel(level)
 
 
 def _call(arguments: list[str]) -> int:
