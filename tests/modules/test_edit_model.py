@@ -15,7 +15,7 @@ from vaso.errors import ModelError
 from vaso.gradient import propose_edits, textual_gradient
 from vaso.gradient.edits import changes_of
 from vaso.lm import get_lm
-from vaso.modules import EditModel
+from vaso.modules import EditModel, SkillProgram
 from vaso.modules.edit_reading import Reading
 from vaso.modules.planner import Planner
 from vaso.optimizers.propose_check import RewriteText
@@ -82,6 +82,18 @@ def test_other_fields_get_values_of_their_types():
         found = dspy.Predict(Asked)(text=initial().plan_template)
     assert "line" in found.reasoning
     assert (found.names, found.table, found.sure, found.size) == ([], {}, False, 0.0)
+
+
+def test_gepa_with_a_text_that_holds_a_fence_itself():
+    signature = pytest.importorskip("gepa.strategies.instruction_proposal")
+    document = f"Write a plan.\n\n```python\n{initial().plan_template}\n```\n\nKeep it short."
+    prompt = signature.InstructionProposalSignature.prompt_renderer(
+        {"current_instruction_doc": document, "dataset_with_feedback": [{"Feedback": "no"}]}
+    )
+    found = signature.InstructionProposalSignature.output_extractor(EditModel()(prompt)[0])
+    new = found["new_instruction"]
+    assert new != document
+    assert new.startswith("Write a plan.\n\n```python\n") and new.endswith("Keep it short.")
 
 
 def test_gepa():
@@ -212,6 +224,17 @@ def test_a_plan_for_a_task():
         plan = Planner()(skill, "Move forward 5 meters, then turn left.").plan
     assert "legs = [(5.0, 90.0)]" in plan.source
     assert vaso.verify(skill, plan)
+
+
+def test_plans_of_a_skill_program():
+    with dspy.context(lm=EditModel()):
+        good = SkillProgram("drive")("Move forward 5 meters, then turn left.")
+        bad = SkillProgram(initial(), attempts=4)("Move forward 5 meters.")
+    assert good.verified and len(good.attempts) == 1
+    assert "legs = [(5.0, 90.0)]" in good.source
+    tried = [attempt.plan.source for attempt in bad.attempts]
+    assert tried[0] == initial().plan_template + "\n"
+    assert len(tried) > 1 and len(set(tried)) == len(tried)
 
 
 # -- a model like others ---------------------------------------------------------------------------

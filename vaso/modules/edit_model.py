@@ -21,7 +21,7 @@ from dspy.lm15 import Message, Request, Response, TextPart, Usage, response_to_e
 
 from vaso.errors import ModelError, VasoError
 from vaso.gradient.edits import changes_of
-from vaso.modules.edit_questions import Question, filler, read_question
+from vaso.modules.edit_questions import FENCED, Question, filler, read_question
 from vaso.modules.edit_reading import Reading, plan_within
 from vaso.modules.symbolic import SymbolicPlanner
 from vaso.skill import Skill
@@ -43,8 +43,9 @@ class EditModel(dspy.LM):  # type: ignore[misc]
     An edit is one that :func:`vaso.gradient.propose_edits` knows, drawn uniformly; every fourth
     changes a second place as well. What the prompt shows as tried before is not drawn again, and an
     edit that the prompt names as a verified repair is made. A request for a plan for a task is
-    answered with the template and the task's quantities, a request for criticism with the verdicts
-    that the prompt quotes. Any other text comes back as it is.
+    answered with the template and the task's quantities, or with an edit of the plan that failed
+    before; a request for criticism with the verdicts that the prompt quotes. Any other text comes
+    back as it is.
 
     Answers are a function of the seed, the request and ``rollout_id``, which at temperature 0 does
     not count. Tokens are counted as four characters each. There is no network and no cost.
@@ -172,23 +173,25 @@ def edit_model(name: str, **options: Any) -> EditModel:
 
 def _answer(question: Question, reading: Reading, draw: _Draw) -> str:
     new = {name: draw.new(text) for name, text in question.texts.items()}
-    if plan := _planned(question):
-        new["plan"] = plan
+    if "plan" in question.wanted and not draw.notes:
+        new["plan"] = _planned(question) or new.get("plan", "")
     words = "; ".join(draw.notes) or reading.complaints or NOTHING
     values = {n: new[n] if n in new else filler(kind, words) for n, kind in question.wanted.items()}
     return question.answer(values)
 
 
 def _planned(question: Question) -> str:
-    """The plan for a task, where one is asked for: the template with the task's quantities."""
+    """The plan for a task, where one is asked for: the template with the task's quantities.
+
+    The template is an input, or the longest program in the instructions.
+    """
     given = question.given
-    if "plan" not in question.wanted or not {"task", "plan_template"} <= set(given):
+    programs = [m.group("text") for m in FENCED.finditer(question.instructions)]
+    template = given.get("plan_template") or max(programs, key=len, default="")
+    if "task" not in given or not template:
         return ""
-    skill = Skill(
-        name="prompt",
-        labelling_code=given.get("apis", ""),
-        plan_template=given["plan_template"],
-    )
+    labelling = given.get("apis", "")
+    skill = Skill(name="prompt", labelling_code=labelling, plan_template=template)
     return SymbolicPlanner()(skill, given["task"]).source
 
 

@@ -10,12 +10,13 @@ from __future__ import annotations
 import ast
 import json
 import re
+import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 from xml.sax.saxutils import escape
 
-__all__ = ["Question", "filler", "read_question"]
+__all__ = ["FENCED", "Question", "filler", "read_question"]
 
 Values = Mapping[str, Any]
 
@@ -32,7 +33,8 @@ REQUIREMENTS = re.compile(
 TAGS = re.compile(r"improved variable between (<\w+>) \{.*?\} (</\w+>) tags")
 VARIABLE = re.compile(r"<VARIABLE>(.*?)</VARIABLE>", re.S)
 CUT = " (...) "
-FENCED = re.compile(r"^```[\w+-]*\n(.*?)\n```", re.M | re.S)
+GEPA = re.compile(r"for me:\n```\n(.*?)\n```\n\nThe following are examples", re.S)
+FENCED = re.compile(r"^(`{3,})[\w+-]*\n(?P<text>.*?)\n\1", re.M | re.S)
 
 NEWER = {"new", "improved", "proposed", "better", "revised", "updated", "next"}
 OLDER = {"old", "current", "basic", "original", "before", "previous", "initial"}
@@ -47,6 +49,7 @@ class Question:
         wanted: Type of each value that the answer has, by name.
         texts: By the name of a wanted value: the text that it is to replace.
         given: Named texts of the request.
+        instructions: What dspy says about the task before the inputs.
         answer: Puts the values into the form that was asked for.
     """
 
@@ -55,6 +58,7 @@ class Question:
     wanted: Mapping[str, str] = field(default_factory=dict)
     texts: Mapping[str, str] = field(default_factory=dict)
     given: Mapping[str, str] = field(default_factory=dict)
+    instructions: str = ""
 
 
 def read_question(system: str, user: str) -> Question:
@@ -89,8 +93,10 @@ def _dspy(system: str, user: str) -> Question | None:
         }
     else:
         given = dict(XML_FIELD.findall(body))
+    told = system.partition("your objective is:")[2].lstrip("\n")
     texts = {name: given[old] for name in wanted if (old := _replaced(name, given))}
-    return Question(f"{system}\n\n{user}", _dspy_form(system), wanted, texts, given)
+    prompt = f"{system}\n\n{user}"
+    return Question(prompt, _dspy_form(system), wanted, texts, given, textwrap.dedent(told))
 
 
 def _replaced(name: str, given: Mapping[str, str]) -> str | None:
@@ -163,12 +169,13 @@ def _adalflow_form(values: Values) -> str:
 
 
 def _fenced(system: str, user: str) -> Question | None:
-    """GEPA, and anyone who shows a fenced text and does not ask for criticism only."""
+    """GEPA, whose text may hold fences itself; and anyone who shows a fenced text."""
     prompt = f"{system}\n\n{user}".strip()
-    old = FENCED.search(user)
-    if old is None or any(phrase in prompt for phrase in FEEDBACK_ENGINES):
+    if any(phrase in prompt for phrase in FEEDBACK_ENGINES):
         return None
-    return _rewriting(prompt, old.group(1), lambda v: f"```\n{v['text']}\n```")
+    gepa, other = GEPA.search(user), FENCED.search(user)
+    text = gepa.group(1) if gepa else other.group("text") if other else None
+    return _rewriting(prompt, text, lambda v: f"```\n{v['text']}\n```") if text else None
 
 
 def _rewriting(prompt: str, text: str, answer: Callable[[Values], str]) -> Question:

@@ -132,7 +132,8 @@ def _is_plan(text: str, reading: Reading) -> bool:
         code = ast.parse(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return False
-    return bool(code.body) and not reading.is_labelling(code)
+    does = any(isinstance(node, (ast.Call, ast.List)) for node in ast.walk(code))
+    return does and not reading.is_labelling(code)
 
 
 # -- formulas --------------------------------------------------------------------------------------
