@@ -1,0 +1,170 @@
+"""What a plan may write in one place: numbers, conditions, assignments and calls as grammar rules.
+
+A place is the top level, a function, or a loop over a list: it has variables of certain kinds.
+Expressions are kept small; what the template itself writes in such a place may be repeated.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from vaso.local import gbnf
+from vaso.local.kinds import NUMBERS, Kind, kind_of
+from vaso.local.vocabulary import Vocabulary
+
+BASICS = {
+    "uint": '"0" | [1-9] [0-9]{0,2}',
+    "count": "[1-9] [0-9]{0,2}",
+    "number": '"-"? ("0" | [1-9] [0-9]{0,2}) ("." [0-9]{1,3})?',
+    "duration": '"0." [1-9] | [1-9] [0-9]? "." [0-9]',
+    "relation": '" < " | " <= " | " > " | " >= " | " == " | " != "',
+    "junction": '" and " | " or "',
+}
+"""Rules that do not depend on the place. Counts and numbers are bounded, so that loops end."""
+MORE_TESTS = 2
+
+
+@dataclass(frozen=True)
+class Scope:
+    """A place in a plan, and the names of its rules.
+
+    Attributes:
+        name: What its rules' names begin with.
+        kinds: Kind by variable.
+        assignable: The variables that may be assigned here.
+        words: What may be called.
+        functions: The plan's own functions that can be called, with the kinds of their arguments.
+        body: The template's statements in this place.
+    """
+
+    name: str
+    kinds: Mapping[str, Kind]
+    assignable: frozenset[str]
+    words: Vocabulary
+    functions: Mapping[str, Sequence[Kind]]
+    body: Sequence[ast.stmt]
+
+    def write(self, rules: gbnf.Rules) -> None:
+        """Add the rules of this place: ``X-do``, ``X-set``, ``X-if``, ``X-times`` and others.
+
+        ``X-see`` is a condition that begins with a sensor, ``X-check`` one that begins with a
+        variable, ``X-if`` any condition. A rule is left out where there is nothing for it.
+        """
+        for name, rule in BASICS.items():
+            rules.add(name, rule)
+        if self.words.sensors:
+            rules.add("call", gbnf.alt(self.words.sensors.values()))
+            pair = gbnf.seq(gbnf.text("not ("), "call", "junction", "call", gbnf.text(")"))
+            rules.add("sensor", f'"not "? call | {pair}')
+        self._write_numbers(rules)
+        self._write_conditions(rules)
+        rules.add("send", gbnf.alt(self._commands()))
+        rules.add(self.rule("do"), gbnf.alt(["send", *self._calls()]))
+        if options := [*self._updates(rules), *map(gbnf.text, self._own_assignments())]:
+            rules.add(self.rule("set"), gbnf.alt(options))
+
+    def rule(self, part: str) -> str:
+        """The name of one of the rules."""
+        return f"{self.name}-{part}"
+
+    def names(self, *kinds: str) -> list[str]:
+        """The variables of some kinds."""
+        return [name for name, kind in self.kinds.items() if kind in kinds]
+
+    def _commands(self) -> Iterator[str]:
+        yield from self.words.commands.values()
+        yield gbnf.seq(gbnf.text("time.sleep("), "duration", gbnf.text(")"))
+
+    def _calls(self) -> Iterator[str]:
+        """Calls of the plan's own functions."""
+        number = self.rule("value") if self.names(*NUMBERS) else "number"
+        for name, kinds in self.functions.items():
+            given = [self._whole() if kind == "int" else number for kind in kinds]
+            yield gbnf.call(name, given)
+
+    def _write_numbers(self, rules: gbnf.Rules) -> None:
+        counts = ["count", *map(gbnf.text, self.names("int"))]
+        if numbers := self.names(*NUMBERS):
+            rules.add(self.rule("var"), gbnf.texts(numbers))
+            rules.add(self.rule("value"), f"{self.rule('var')} | number")
+            ratio = gbnf.seq(self.rule("var"), gbnf.text(" / "), self.rule("value"))
+            counts.append(gbnf.seq(gbnf.texts(["round(", "math.ceil("]), ratio, gbnf.text(")")))
+        counts += map(gbnf.text, self._own_counts())
+        rules.add(self.rule("times"), gbnf.alt(counts))
+
+    def _write_conditions(self, rules: gbnf.Rules) -> None:
+        checks = [gbnf.seq(call, "relation", "number") for call in self.words.gauges.values()]
+        if self.names(*NUMBERS):
+            checks.append(gbnf.seq(self.rule("var"), "relation", self.rule("value")))
+        if flags := self.names("bool"):
+            checks.append(gbnf.seq(gbnf.maybe(gbnf.text("not ")), gbnf.texts(flags)))
+        checks += map(gbnf.text, self._own_tests())
+        sensors = ["sensor"] if self.words.sensors else []
+        if not checks and not sensors:
+            return
+        rules.add(self.rule("test"), gbnf.alt([*sensors, *checks]))
+        more = gbnf.repeat(gbnf.seq("junction", self.rule("test")), 0, MORE_TESTS)
+        rules.add(self.rule("if"), gbnf.seq(self.rule("test"), more))
+        if sensors:
+            rules.add(self.rule("see"), gbnf.seq("sensor", more))
+        if checks:
+            rules.add(self.rule("check"), gbnf.seq(gbnf.alt(checks), more))
+
+    def _updates(self, rules: gbnf.Rules) -> Iterator[str]:
+        """Assignments in which the variable keeps its kind, and which do not grow out of bounds."""
+        for name in sorted(self.assignable):
+            if self.kinds[name] == "bool":
+                yield gbnf.seq(gbnf.text(f"{name} = "), gbnf.texts(["True", "False"]))
+            elif self.kinds[name] in NUMBERS:
+                own = gbnf.maybe(gbnf.texts([f"{name} + ", f"{name} - "]))
+                sign = gbnf.alt([gbnf.seq(gbnf.text(" = "), own), gbnf.texts([" += ", " -= "])])
+                value = self.rule("value") if self.kinds[name] == "float" else self._whole()
+                yield gbnf.seq(gbnf.text(name), sign, value)
+
+    def _whole(self) -> str:
+        return gbnf.alt(["uint", *map(gbnf.text, self.names("int"))])
+
+    # -- what the template writes here itself ---------------------------------------------------
+
+    def _kind(self, node: ast.expr) -> Kind | None:
+        return kind_of(node, self.kinds, self.words.returns)
+
+    def _nodes(self) -> Iterator[ast.AST]:
+        for statement in self.body:
+            yield from ast.walk(statement)
+
+    def _own_counts(self) -> Iterable[str]:
+        for node in self._nodes():
+            match node:
+                case ast.Call(func=ast.Name(id="range"), args=[count]):
+                    simple = isinstance(count, (ast.Name, ast.Constant))
+                    if not simple and self._kind(count) == "int":
+                        yield ast.unparse(count)
+
+    def _own_tests(self) -> Iterable[str]:
+        for node in self._nodes():
+            if isinstance(node, ast.Compare) and self._kind(node) == "bool":
+                sides = (node.left, *node.comparators)
+                if not all(isinstance(s, (ast.Name, ast.Constant)) for s in sides):
+                    yield ast.unparse(node)
+
+    def _own_assignments(self) -> Iterable[str]:
+        for node in self._nodes():
+            match node:
+                case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                    kind = self.kinds[name] if name in self.assignable else None
+                    fits = kind in NUMBERS and self._kind(value) in (kind, "int")
+                    if fits and not _is_update(name, value):
+                        yield ast.unparse(node)
+
+
+def _is_update(name: str, value: ast.expr) -> bool:
+    """True for what :meth:`Scope._updates` writes anyway."""
+    match value:
+        case ast.Constant() | ast.Name():
+            return True
+        case ast.BinOp(left=ast.Name(id=left), op=ast.Add() | ast.Sub(), right=right):
+            return left == name and isinstance(right, (ast.Name, ast.Constant))
+    return False
