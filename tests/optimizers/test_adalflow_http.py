@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from openai_server import Drop, Hang, OpenAIServer, Raw, Status, prompt_of
+from replies import GOOD, RECKLESS, STOPS, wrapped
 
 import vaso
 from vaso.modules import SymbolicPlanner
@@ -18,22 +19,12 @@ from vaso.optimizers.adalflow import AutoDiff
 from vaso.optimizers.budget import Budget
 from vaso.skill_file import load_skill, load_tasks
 
-GOOD = """while True:
-    if people_observed():
-        stop()
-    elif obstacle_observed():
-        stop()
-    else:
-        forward()
-"""
 PEOPLE_ONLY = """while True:
     if people_observed():
         stop()
     else:
         forward()
 """
-RECKLESS = "while True:\n    forward()\n"
-STOPS = "while True:\n    stop()\n"
 FIRST_MOVES_THEN_STOPS = """while people_observed() or obstacle_observed():
     stop()
 forward()
@@ -43,14 +34,6 @@ while True:
 DRIVE = load_skill("drive", version="initial")
 ONE_TASK = load_tasks("drive").seen[:1]
 BLIND = DRIVE.labelling_code.replace('yolo_listener("people")', "False")
-
-
-def wrapped(text, method="rewrite"):
-    """What a model that keeps to AdalFlow's format answers, without escaping anything."""
-    return (
-        f"<response><reasoning>a & b < c</reasoning><method>{method}</method>"
-        f"<proposed_variable>{text}</proposed_variable></response>"
-    )
 
 
 def is_proposal(prompt):

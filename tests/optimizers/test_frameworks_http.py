@@ -2,8 +2,12 @@
 verifier. A server on 127.0.0.1 plays the model from a script.
 """
 
+import importlib.util
 import os
 import random
+import subprocess
+import sys
+import threading
 from collections import Counter
 
 import numpy as np
@@ -12,6 +16,7 @@ from openai_server import Drop, Hang, Raw, Status
 from replies import GOOD, RECKLESS, STOPS, Model
 
 import vaso
+from vaso.errors import MissingDependencyError
 from vaso.modules import SymbolicPlanner
 from vaso.optimizers import get_optimizer
 from vaso.optimizers.budget import Budget
@@ -68,9 +73,10 @@ def test_repairs_drive_whatever_comes_back_on_the_way(server, optimizer, monkeyp
         judged.update([(params.key, case)]) or value(self, params, case, plan)
     )
     monkeypatch.setattr(SkillLoss, "_value", counting)
-    result, model = optimize(server, optimizer, *BAD, GOOD, tasks=None)
+    tasks = load_tasks("drive").seen[:3]
+    result, model = optimize(server, optimizer, *BAD, GOOD, tasks=tasks)
     assert result.verified and result.skill.plan_template == GOOD.strip()
-    assert verified_by_a_fresh_call(result.skill, load_tasks("drive").seen)
+    assert verified_by_a_fresh_call(result.skill, tasks)
     assert result.skill.global_rules == DRIVE.global_rules
     assert len(model.templates) == 1 and len(model.proposals) == len(BAD) + 1
     assert result.spent.lm_calls == len(server.requests)
@@ -97,24 +103,14 @@ def test_the_counterexample_reaches_every_prompt(server, optimizer):
 
 
 def test_feedback_that_fails_is_no_obstacle(server, optimizer):
-    for feedback in ("", "<|endoftext|> {{ x }} {0} & <"):
-        result, _ = optimize(server, optimizer, GOOD, feedback=feedback)
-        assert result.verified
+    result, _ = optimize(server, optimizer, GOOD, feedback="<|endoftext|> {{ x }} {0} & <")
+    assert result.verified
 
 
 def test_nothing_but_failures_keeps_the_first_version(server, optimizer):
-    for feedback, template in [(Status(500), Status(500)), (Status(429), GOOD), ("", Drop())]:
-        result, _ = optimize(server, optimizer, template, feedback=feedback, budget=9)
-        if result.verified:
-            continue
-        assert result.skill == DRIVE and result.safety == 0.75
-        assert "does not answer" in result.stop_reason and len(result.steps) == 3
-
-
-def test_a_model_that_never_says_anything_new_ends_the_run(server, optimizer):
-    result, _ = optimize(server, optimizer, NO_TAGS, budget=Budget(steps=8))
-    assert not result.verified and result.skill == DRIVE and result.stop_reason
-    assert len(server.requests) < 60
+    result, _ = optimize(server, optimizer, Drop(), feedback=Status(500), budget=9)
+    assert not result.verified and result.skill == DRIVE and result.safety == 0.75
+    assert "does not answer" in result.stop_reason and len(result.steps) == 3
 
 
 def test_a_rejected_key_ends_the_run_at_once(server, optimizer):
@@ -123,16 +119,11 @@ def test_a_rejected_key_ends_the_run_at_once(server, optimizer):
     assert len(server.requests) == 1 and "bad key" in result.stop_reason
 
 
-@pytest.mark.parametrize("limit", [1, 4, 7])
+@pytest.mark.parametrize("limit", [1, 4])
 def test_the_budget_of_model_calls_is_kept(server, optimizer, limit):
     result, _ = optimize(server, optimizer, STOPS, RECKLESS, NO_TAGS, budget={"lm_calls": limit})
     assert len(server.requests) == result.spent.lm_calls == limit
     assert f"{limit} lm calls" in result.stop_reason
-
-
-def test_the_budget_of_steps_is_kept(server, optimizer):
-    result, _ = optimize(server, optimizer, STOPS, RECKLESS, GOOD, budget=2)
-    assert len(result.steps) == 2 and not result.verified and "2 steps" in result.stop_reason
 
 
 def test_a_server_that_hangs_does_not_outlast_the_budget(server, optimizer):
@@ -142,7 +133,7 @@ def test_a_server_that_hangs_does_not_outlast_the_budget(server, optimizer):
     assert "1 seconds" in result.stop_reason and result.spent.seconds < 10
 
 
-SCRIPT = [STOPS, NO_TAGS, RECKLESS, GOOD]
+SCRIPT = [STOPS, NO_TAGS, GOOD]
 
 
 def test_the_same_seed_asks_the_same(server, optimizer):
@@ -151,12 +142,12 @@ def test_the_same_seed_asks_the_same(server, optimizer):
         random.seed(disturbance)
         np.random.seed(disturbance)
         server.requests = []
-        optimize(server, optimizer, *SCRIPT, tasks=None, seed=3)
+        optimize(server, optimizer, *SCRIPT, tasks=load_tasks("drive").seen[:3], seed=3)
         prompts.append(server.prompts)
     assert prompts[0] == prompts[1] and len(prompts[0]) >= 8
 
 
-@pytest.mark.parametrize("cut", [2, 7])
+@pytest.mark.parametrize("cut", [5])
 def test_resume_after_any_question_repeats_none(server, optimizer, cut, tmp_path):
     whole, _ = optimize(server, optimizer, *SCRIPT, seed=1)
     asked, server.requests = server.prompts, []
@@ -170,21 +161,63 @@ def test_resume_after_any_question_repeats_none(server, optimizer, cut, tmp_path
     assert resumed.spent.lm_calls == whole.spent.lm_calls == len(asked)
 
 
-def test_the_user_s_process_is_as_before(server, optimizer, elsewhere):
+def test_the_user_s_process_is_as_before(server, optimizer, elsewhere, capfd):
     random.seed(5)
     np.random.seed(5)
     before = random.getstate(), np.random.get_state()[1].tolist(), dict(os.environ)
-    shown = []
-    result, _ = optimize(server, optimizer, NO_TAGS, GOOD, on_event=lambda e: shown.append(e.kind))
-    assert result.verified and shown[-1] == "finished"
+    result, _ = optimize(server, optimizer, NO_TAGS, GOOD, on_event=lambda e: print(e.kind))
+    assert result.verified
+    assert capfd.readouterr().out.split()[-3:] == ["accepted", "evaluated", "finished"]
     assert before == (random.getstate(), np.random.get_state()[1].tolist(), dict(os.environ))
     assert list(elsewhere.iterdir()) == []
 
 
-def test_what_is_printed_by_listeners_is_printed(server, optimizer, capfd):
-    optimize(server, optimizer, GOOD, on_event=lambda event: print(event.kind))
-    assert capfd.readouterr().out.split()[-3:] == ["accepted", "evaluated", "finished"]
-
-
-def test_by_name_and_by_instance(server, optimizer):
+def test_without_the_package(optimizer, monkeypatch):
     assert get_optimizer(optimizer).name == optimizer and get_optimizer(optimizer).needs_lm
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    with pytest.raises(MissingDependencyError, match=optimizer.split("-")[0]):
+        get_optimizer(optimizer)
+
+
+KILLED = """
+import sys, vaso
+from vaso.skill_file import load_tasks
+optimizer, out, resume = sys.argv[1:]
+tasks, lm = load_tasks("drive").seen[:2], "openai/test"
+result = vaso.optimize(
+    "drive", tasks, optimizer=optimizer, lm=lm, out=out, resume=resume == "resume", budget=30
+)
+print(result.verified, result.spent.lm_calls, result.skill.plan_template)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("questions", [1, 5, 7])
+def test_kill_9_and_resume(server, optimizer, questions, tmp_path):
+    def start(out, resume="no"):
+        variables = {"VASO_API_BASE": server.url, "DSPY_CACHEDIR": str(tmp_path / f"{out}-cache")}
+        command = [sys.executable, "-c", KILLED, optimizer, str(tmp_path / out), resume]
+        env = {**os.environ, **variables}
+        return subprocess.Popen(command, env=env, stdout=subprocess.PIPE, text=True)
+
+    server.default = Model(optimizer, list(SCRIPT), DRIVE.labelling_code, RAW)
+    whole = start("whole").communicate()[0]
+    asked, server.requests = server.prompts, []
+
+    model, hangs = Model(optimizer, list(SCRIPT), DRIVE.labelling_code, RAW), threading.Event()
+
+    def answer(request):
+        if len(server.requests) == questions + 1 and not hangs.is_set():
+            hangs.set()
+            return Hang(60)
+        return model(request)
+
+    server.default = answer
+    killed = start("killed")
+    assert hangs.wait(60)
+    killed.kill()
+    killed.communicate()
+    del server.requests[questions:]
+    resumed = start("killed", "resume").communicate()[0]
+    assert whole.startswith("True") and resumed == whole
+    assert Counter(server.prompts) == Counter(asked)
