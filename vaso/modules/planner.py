@@ -7,7 +7,8 @@ from typing import Any
 
 import dspy
 
-from vaso.modules.asking import ask, code_of
+from vaso.local.constrain import constrained
+from vaso.modules.asking import ask, code_of, model_of
 from vaso.modules.wording import rules_text
 from vaso.plan.model import Plan
 from vaso.skill import Skill
@@ -47,7 +48,8 @@ class Planner(dspy.Module):  # type: ignore[misc]
     Calling it gives a ``dspy.Prediction`` with the field ``plan`` (:class:`~vaso.plan.Plan`), and
     that plan's ``source`` and ``task``, so that it passes for a plan where one is expected. A
     reply that is not Python is sent back with the error; one that still is not is returned as it
-    is, and verifying it says what is wrong with it.
+    is, and verifying it says what is wrong with it. A model that can follow a grammar writes
+    nothing but plans of the skill that compile.
     """
 
     def __init__(self, *, retries: int = 1) -> None:
@@ -78,11 +80,12 @@ class Planner(dspy.Module):  # type: ignore[misc]
             "apis": skill.labelling_code,
             "plan_template": skill.plan_template,
         }
-        source = code_of(ask(self.write, "plan", **inputs))
+        lm = constrained(model_of(self.write), skill, "plan_template")
+        source = code_of(ask(self.write, "plan", lm, **inputs))
         for _ in range(self.retries):
             if not (error := syntax_error(source)):
                 break
-            reply = ask(self.mend, "plan", **inputs, rejected=source, error=error)
+            reply = ask(self.mend, "plan", lm, **inputs, rejected=source, error=error)
             source = code_of(reply) or source
         return dspy.Prediction(plan=Plan(source=source, task=prompt), source=source, task=prompt)
 

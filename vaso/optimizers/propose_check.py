@@ -13,6 +13,7 @@ from typing import Any
 
 import dspy
 
+from vaso.local.constrain import constrained
 from vaso.modules.asking import ask, code_of
 from vaso.optimizers.base import LossValue, Proposal, State
 from vaso.optimizers.rewriting import RewriteText, adapter, feedback_on, question, to_blame
@@ -60,7 +61,8 @@ class ProposeAndCheck:
     def _ask(
         self, state: State, name: str, value: LossValue, tried: list[tuple[Any, str]], number: int
     ) -> str:
-        with dspy.context(lm=fresh(state.lm, state, number), adapter=adapter()):
+        lm = constrained(fresh(state.lm, state, number), state.params.skill, name)
+        with dspy.context(lm=lm, adapter=adapter()):
             reply = ask(
                 dspy.Predict(RewriteText),
                 "new_text",
