@@ -28,6 +28,8 @@ def test_python(capsys):
     out = capsys.readouterr().out
     assert "fail 0.75" in out
     assert "+        stop()" in out
+    assert "After step 1 the plan stays in stop()" in out
+    assert out.endswith("100.0\n")
 
 
 def test_what_the_demo_prints(capfd, tmp_path):
