@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 from vaso.gradient.model import Level, TextualGradient
@@ -61,6 +61,10 @@ class LossValue:
         """The textual gradient."""
         return self.make_gradient()
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Copies and pickles have the gradient, not what could make it."""
+        return {**self.__dict__, "make_gradient": partial(_itself, self.gradient)}
+
     @property
     def verified(self) -> bool:
         """True when every rule passes."""
@@ -83,6 +87,10 @@ class LossValue:
         message = "\n".join(f"{name}: {text}" for name, text in problems.items())
         gradient = TextualGradient(level=level, score=0.0, passed=False, verdict=message)
         return cls(0.0, lambda: gradient, dict(problems), completion=0.0, error=message)
+
+
+def _itself(gradient: TextualGradient) -> TextualGradient:
+    return gradient
 
 
 class Loss(Protocol):
