@@ -1,9 +1,9 @@
 """``adalflow-trainer``: AdalFlow's own ``Trainer`` over the texts of a skill, with its defaults.
 
 The loop is AdalFlow's: a batch, a moving batch with a sample of errors and correct cases, a
-backward pass, up to five proposals, each against the sample and then against the validation set,
-which is the batch's own cases. The session judges each proposal when it is made; the scores that
-the trainer then computes are the session's, so that the two agree on what is kept.
+backward pass, up to five proposals, each compared with the best so far on the sample and then on
+all cases. The session judges each proposal when it is made; the scores that the trainer then
+computes are the session's, so that the two agree on what is kept.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from vaso.optimizers.adalflow_setup import (
     temporary_folder,
 )
 from vaso.optimizers.base import Case, LossValue
-from vaso.optimizers.quiet import quiet
+from vaso.optimizers.quiet import aloud, quiet
 from vaso.optimizers.session import Session
 
 ROLLOUTS = 1_000_000
@@ -154,7 +154,8 @@ class _Run:
         if self._errors and nothing_new:
             self._session.failed(explain(self._errors[-1]))
             return
-        outcome = self._session.offer(texts, note)
+        with aloud():  # a planner of the user's may print
+            outcome = self._session.offer(texts, note)
         if not outcome.accepted and not nothing_new:
             self._turned_down = dict(texts), outcome.reason
 
