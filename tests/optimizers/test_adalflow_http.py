@@ -7,6 +7,7 @@ verified, or the best version so far is kept and the result says so.
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -33,6 +34,7 @@ while True:
 """
 DRIVE = load_skill("drive", version="initial")
 ONE_TASK = load_tasks("drive").seen[:1]
+ESCAPED = Path(tempfile.gettempdir()) / f"vaso-escaped-{os.getpid()}"
 BLIND = DRIVE.labelling_code.replace('yolo_listener("people")', "False")
 
 
@@ -116,7 +118,7 @@ BAD = {
     "only stops": wrapped(STOPS),
     "hardly moves": wrapped(FIRST_MOVES_THEN_STOPS),
     "no check at all": wrapped(RECKLESS),
-    "imports": wrapped("import os\nos.system('touch /tmp/x')\n" + GOOD),
+    "imports": wrapped(f"import os\nos.system('touch {ESCAPED}')\n" + GOOD),
     "endless without a command": wrapped("while True:\n    pass\n"),
     "special token": wrapped("# <|endoftext|>\n" + RECKLESS),
     "template braces": wrapped("x = '{{ 7 * 7 }} {% raw %}'\n" + RECKLESS),
@@ -141,6 +143,7 @@ def test_every_bad_reply_then_a_good_one(server):
     errors_told = [s.error for s in result.steps if s.error]
     assert len(errors_told) == len(errors) - 1  # a completion without choices is an empty reply
     assert all("does not answer" in error for error in errors_told)
+    assert not ESCAPED.exists()
 
 
 @pytest.mark.parametrize("name", BAD)
@@ -276,4 +279,3 @@ def test_on_the_command_line(server, tmp_path):
     assert load_skill(out / "SKILL.md").plan_template == GOOD.strip()
     assert {p.name for p in out.iterdir()} >= {"SKILL.md", "events.jsonl", "checkpoint.json"}
     assert not (home / ".adalflow").exists() and not (home / "logs").exists()
-    assert not Path("/tmp/x").exists()
