@@ -105,6 +105,39 @@ def test_best_of_is_not_answered_from_the_cache(skill, server, memory_cache):
     assert len(server.requests) == 3
 
 
+def test_best_of_with_a_model_of_the_program_s_own(skill, server, memory_cache):
+    server.script = [plan(BLIND), plan(TEMPLATE)]
+    program = SkillProgram(skill, strategy="best_of")
+    program.set_lm(server.lm(cache=True))
+    with dspy.context(lm=None):
+        assert program(task="drive").verified
+
+
+def test_a_model_that_follows_a_grammar_writes_bare_plans(skill):
+    """As a local model does; it is asked without field markers."""
+    asked = []
+
+    class Local(dspy.BaseLM):
+        follows_grammar = False
+
+        def with_grammar(self, grammar):
+            twin = Local("local")
+            twin.follows_grammar = "forward()" in grammar
+            return twin
+
+        def __call__(self, prompt=None, messages=None, **kwargs):
+            asked.append(messages)
+            assert self.follows_grammar
+            return [BLIND if len(asked) == 1 else TEMPLATE]
+
+    with dspy.context(lm=Local("local")):
+        found = SkillProgram(skill)(task="drive")
+    assert found.verified
+    text = asked[1][-1]["content"]
+    assert "[[ ##" not in text
+    assert "## Feedback\nviolates G(people_observed -> X stop)" in text
+
+
 def test_a_model_that_repeats_itself_gets_a_fresh_draw(skill, server, memory_cache):
     server.script = [plan(BLIND), plan(BLIND), plan(TEMPLATE)]
     with dspy.context(lm=server.lm(cache=True)):

@@ -11,14 +11,17 @@ from __future__ import annotations
 
 import ast
 import re
+from contextlib import AbstractContextManager
 from typing import Any
 
 import dspy
 from dspy.utils.exceptions import AdapterParseError, LMError
 
 from vaso.errors import SkillError
-from vaso.lm import explain, get_lm
-from vaso.modules.asking import FENCE, code_of
+from vaso.lm import explain
+from vaso.local.adapter import BareAdapter
+from vaso.local.constrain import constrained, follows_grammar
+from vaso.modules.asking import FENCE, code_of, model_of
 from vaso.modules.planner import WritePlan
 from vaso.modules.wording import rules_text
 from vaso.skill import ParameterName, Skill
@@ -143,9 +146,10 @@ class PlanWriter(dspy.Predict):  # type: ignore[misc]
         Raises:
             ModelError: No model is configured, it cannot be reached, or it answers with an error.
         """
+        context, options = self._asking(skill, lm)
         try:
-            with self._asking(lm):
-                reply = self(**inputs, **self._for(skill))
+            with context:
+                reply = self(**inputs, **options)
             return code_of(str(reply.plan or ""))
         except AdapterParseError as error:
             return self.record(code_of(str(error.lm_response or "")), inputs)
@@ -154,9 +158,10 @@ class PlanWriter(dspy.Predict):  # type: ignore[misc]
 
     async def awrite(self, skill: Skill, inputs: dict[str, str], lm: Any = None) -> str:
         """:meth:`write`, without blocking the event loop."""
+        context, options = self._asking(skill, lm)
         try:
-            with self._asking(lm):
-                reply = await self.acall(**inputs, **self._for(skill))
+            with context:
+                reply = await self.acall(**inputs, **options)
             return code_of(str(reply.plan or ""))
         except AdapterParseError as error:
             return self.record(code_of(str(error.lm_response or "")), inputs)
@@ -168,25 +173,20 @@ class PlanWriter(dspy.Predict):  # type: ignore[misc]
         self._forward_postprocess([{"plan": plan}], self.signature, **inputs)
         return plan
 
-    def model(self) -> Any:
-        """The model that is asked: the predictor's own, or the configured one.
+    def _asking(self, skill: Skill, lm: Any) -> tuple[AbstractContextManager[Any], dict[str, Any]]:
+        """The settings and the options of a call.
 
-        Raises:
-            ModelError: There is none.
+        A model that can follow a grammar is tied to that of the skill's plans. A reply without the
+        format may be the bare code, so that it is not asked for a second time in JSON.
         """
-        return self.lm or dspy.settings.lm or get_lm()
-
-    def _asking(self, lm: Any) -> Any:
-        """The model, and an adapter that asks once: a reply without the format may be the code."""
-        adapter = dspy.settings.adapter or dspy.ChatAdapter(use_json_adapter_fallback=False)
-        return dspy.context(lm=lm or self.model(), adapter=adapter)
-
-    def _for(self, skill: Skill) -> dict[str, Any]:
-        """Options of a call that follows another template than the predictor's own."""
-        if skill.plan_template == self.skill.plan_template:
-            return {}
-        instructions = with_template(self.signature.instructions, skill.plan_template)
-        return {"signature": self.signature.with_instructions(instructions)}
+        lm = constrained(lm or model_of(self), skill, "plan_template")
+        bare = BareAdapter() if follows_grammar(lm) else None
+        adapter = bare or dspy.settings.adapter or dspy.ChatAdapter(use_json_adapter_fallback=False)
+        options: dict[str, Any] = {} if self.lm is None else {"lm": lm}
+        if skill.plan_template != self.skill.plan_template:
+            instructions = with_template(self.signature.instructions, skill.plan_template)
+            options["signature"] = self.signature.with_instructions(instructions)
+        return dspy.context(lm=lm, adapter=adapter), options
 
 
 def with_template(instructions: str, template: str) -> str:

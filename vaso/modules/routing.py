@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Generator, Iterable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
@@ -14,7 +14,8 @@ from pydantic import BaseModel
 
 from vaso.errors import SkillError
 from vaso.gradient.model import Level
-from vaso.lm import explain, get_lm
+from vaso.lm import explain
+from vaso.modules.asking import model_of
 from vaso.modules.attempts import PlannerLike
 from vaso.modules.composition import Composition, Part, compose
 from vaso.modules.skill_program import SkillProgram
@@ -181,8 +182,9 @@ class SkillRouter(dspy.Module):  # type: ignore[misc]
 
     def _asking(self, module: dspy.Module) -> AbstractContextManager[Any]:
         """The model for the router's own predictor; programs see to theirs."""
-        lm = (self.route.lm or dspy.settings.lm or get_lm()) if module is self.route else None
-        context: AbstractContextManager[Any] = dspy.context(lm=lm or dspy.settings.lm)
+        if module is not self.route:
+            return nullcontext()
+        context: AbstractContextManager[Any] = dspy.context(lm=model_of(self.route))
         return context
 
     # -- the work ------------------------------------------------------------------------------

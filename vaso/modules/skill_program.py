@@ -14,6 +14,7 @@ import dspy
 
 from vaso.errors import SkillError
 from vaso.gradient.model import Level
+from vaso.modules.asking import model_of
 from vaso.modules.attempts import Attempt, PlannerLike, Search, plan_of, tracing
 from vaso.modules.plan_writer import PlanWriter
 from vaso.modules.verdicts import verdicts
@@ -164,7 +165,7 @@ class SkillProgram(dspy.Module):  # type: ignore[misc]
     def _draw(self, search: Search) -> Plan:
         inputs = search.inputs()
         if self.planner is None:
-            lm = search.model(self.write.model())
+            lm = search.model(model_of(self.write))
             return Plan(source=self.write.write(search.skill, inputs, lm), task=search.task)
         args, options = search.arguments()
         with self._model(search):
@@ -175,7 +176,7 @@ class SkillProgram(dspy.Module):  # type: ignore[misc]
     async def _adraw(self, search: Search) -> Plan:
         inputs = search.inputs()
         if self.planner is None:
-            lm = search.model(self.write.model())
+            lm = search.model(model_of(self.write))
             return Plan(source=await self.write.awrite(search.skill, inputs, lm), task=search.task)
         args, options = search.arguments()
         with self._model(search):
