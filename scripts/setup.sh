@@ -24,7 +24,7 @@ fi
 
 if [ "${1:-}" = everything ]; then
     say "installing everything that optimizers, notebooks and tests need"
-    exec "$UV" sync --frozen --python .venv/bin/python --all-extras --no-extra ros
+    exec "$UV" sync --frozen --python .venv/bin/python --all-extras --no-extra ros --compile-bytecode
 fi
 
 # Python: the first 3.12 or 3.11 that can compile extension modules (has Python.h)
