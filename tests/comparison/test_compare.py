@@ -88,21 +88,31 @@ def test_plans_for_unseen_tasks_are_drawn_after_the_run(tmp_path):
     assert found and found.setup.planner == "planner"
 
 
-def test_the_unseen_tasks_can_be_left_out():
-    found = compare("drive", optimizers=[Scripted([GOOD])], tasks=TASKS, unseen=False)
-    assert found.setup.unseen == () and found.rows[0].safety_unseen is None and found
+def test_without_unseen_tasks_by_a_registered_name_with_a_display_that_breaks():
+    def broken(event):
+        raise RuntimeError
+
+    register_optimizer("scripted-good", lambda: Scripted([GOOD]))
+    found = compare("drive", optimizers="scripted-good", tasks=TASKS, unseen=False, on_event=broken)
+    assert found.setup.unseen == () and found.rows[0].safety_unseen is None
+    assert found and found.optimizers == ("scripted-good",)
 
 
 def test_an_optimizer_that_is_an_object_starts_afresh_in_every_run():
-    mine = Scripted(["while True:\n    forward()\n", GOOD])
-    found = compare("drive", optimizers=[mine], tasks=TASKS, seeds=(3, 5), unseen=False)
+    mine, events = Scripted(["while True:\n    forward()\n", GOOD]), []
+    found = compare(
+        "drive",
+        optimizers=[mine],
+        tasks=TASKS,
+        seeds=(3, 5),
+        unseen=False,
+        on_event=events.append,
+    )
     assert [(r.seed, r.steps, r.verified) for r in found.rows] == [(3, 2, True), (5, 2, True)]
     assert mine.used == 0
-
-
-def test_a_registered_optimizer_by_name():
-    register_optimizer("scripted-good", lambda: Scripted([GOOD]))
-    assert compare("drive", optimizers="scripted-good", tasks=TASKS, unseen=False).rows[0].verified
+    ends = [e for e in events if e.row]
+    assert [(e.seed, e.done, e.runs, e.event) for e in ends] == [(3, 1, 2, None), (5, 2, 2, None)]
+    assert {e.event.kind for e in events if e.event} >= {"started", "accepted", "finished"}
 
 
 def test_the_seed_decides():
@@ -119,30 +129,6 @@ def test_the_seed_decides():
     first, second = ([r.model_dump(exclude={"seconds"}) for r in c.rows] for c in runs)
     assert first == second
     assert len({row["notes"] for row in first}) == 2
-
-
-def test_events_of_every_run():
-    events = []
-    compare(
-        "drive",
-        optimizers=[Scripted([GOOD])],
-        seeds=2,
-        tasks=TASKS,
-        unseen=False,
-        on_event=events.append,
-    )
-    ends = [e for e in events if e.row]
-    assert [(e.seed, e.done, e.runs, e.event) for e in ends] == [(0, 1, 2, None), (1, 2, 2, None)]
-    assert {e.event.kind for e in events if e.event} >= {"started", "accepted", "finished"}
-
-
-def test_a_display_that_breaks_does_not_end_the_comparison():
-    def broken(event):
-        raise RuntimeError
-
-    assert compare(
-        "drive", optimizers=[Scripted([GOOD])], tasks=TASKS, unseen=False, on_event=broken
-    )
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import pytest
 from compared import GOOD, TASKS, Scripted
@@ -28,21 +29,19 @@ def test_finished_runs_are_not_made_again_and_others_are(tmp_path):
             yield from super().propose(state)
 
     good = Counting([GOOD])
-    first = compare("drive", optimizers=[good], seeds=2, out=tmp_path, **options())
-    assert calls == [0, 1] and first
+    first = compare("drive", optimizers=[good], out=tmp_path, **options())
+    assert calls == [0] and first
     calls.clear()
-    again = compare("drive", optimizers=[good], seeds=2, out=tmp_path, resume=True, **options())
-    assert calls == [] and again.rows == first.rows
     more = {"scripted": good, "other": Scripted([CLUMSY, GOOD])}
-    again = compare("drive", optimizers=more, seeds=3, out=tmp_path, resume=True, **options())
-    assert calls == [2]
-    assert again.rows[:2] == first.rows and len(again.rows) == 6 and again
+    again = compare("drive", optimizers=more, seeds=2, out=tmp_path, resume=True, **options())
+    assert calls == [1]
+    assert again.rows[:1] == first.rows and len(again.rows) == again.planned == 4 and again
     assert Comparison.read(tmp_path) == again
 
 
 def test_an_interrupted_run_goes_on_where_it_was(tmp_path):
     script = [CLUMSY, CLUMSY, GOOD]
-    whole = compare("drive", optimizers=[Scripted(script)], seeds=2, **options())
+    whole = compare("drive", optimizers=[Scripted(script)], **options())
     stopped = compare(
         "drive",
         optimizers=[Scripted([CLUMSY, "interrupt"])],
@@ -89,19 +88,14 @@ def test_what_a_model_answered_is_not_asked_again(server, tmp_path):
         ({"trainable": ["plan_template"]}, "trainable"),
     ],
 )
-def test_a_folder_of_another_comparison(tmp_path, change, named):
-    made = compare("drive", optimizers=[Scripted([GOOD])], **options(), out=tmp_path)
-    before = (tmp_path / "comparison.json").read_bytes()
+def test_a_folder_of_another_comparison(found, change, named):
+    folder = Path(found.out)
+    before = (folder / "comparison.json").read_bytes()
+    same = {"tasks": TASKS, "budget": 4}
     with pytest.raises(OptimizerError, match=named) as caught:
-        compare(
-            "drive",
-            optimizers=[Scripted([GOOD])],
-            out=tmp_path,
-            resume=True,
-            **{**options(), **change},
-        )
-    assert "another comparison" in str(caught.value) and made
-    assert (tmp_path / "comparison.json").read_bytes() == before
+        compare("drive", optimizers="repair", out=folder, resume=True, **{**same, **change})
+    assert "another comparison" in str(caught.value)
+    assert (folder / "comparison.json").read_bytes() == before
 
 
 def test_a_damaged_file(tmp_path):
@@ -114,3 +108,16 @@ def test_a_folder_that_cannot_be_written(tmp_path):
     (tmp_path / "file").write_text("")
     with pytest.raises(OptimizerError, match="cannot be written"):
         compare("drive", optimizers="repair", out=tmp_path / "file", **options())
+
+
+def test_a_disk_that_fills_up_does_not_end_the_comparison(tmp_path, monkeypatch):
+    from vaso.comparison import folder
+
+    def full(self, comparison, write=folder.Folder.write):
+        if comparison.rows:
+            raise OptimizerError("the output folder cannot be written: no space left")
+        write(self, comparison)
+
+    monkeypatch.setattr(folder.Folder, "write", full)
+    found = compare("drive", optimizers=[Scripted([GOOD])], out=tmp_path, **options())
+    assert found and "no space left" in found.problem and "no space left" in str(found)

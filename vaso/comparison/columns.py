@@ -90,7 +90,7 @@ _COLUMNS = (
         "safety_unseen",
         "unseen",
         "share",
-        "Safety of the skill at the end on the unseen tasks: whether what was learned carries over.",
+        "Safety of the skill at the end on the unseen tasks: whether it carries over.",
     ),
     _mean("completion_unseen", "unseen completion", "share", "Completion on the unseen tasks."),
     Column("verified_unseen", "unseen verified", "flag", "Every rule passes on every unseen task."),

@@ -168,13 +168,12 @@ def _facts(comparison: Comparison) -> Markup:
     limits = [f"{v:g} {n.replace('_', ' ')}" for n, v in setup.budget.items() if v is not None]
     options = ", ".join(f"{n} {v}" for n, v in setup.model_options.items())
     model = f"{setup.model} ({options})" if options else setup.model
-    machines = dict.fromkeys(row.machine for row in comparison.rows if row.machine)
     facts = {
         "model": model or "none",
         "plans": f"{setup.planner} {setup.planner_model}".strip(),
         "budget of a run": ", ".join(limits) or "no limit",
         "textual gradients": setup.level,
-        "machine": "; ".join(machines) or machine.description,
+        "machine": comparison.machines,
         "packages": ", ".join(f"{n} {v}" for n, v in machine.packages.items()),
         "started": machine.started,
     }

@@ -33,6 +33,7 @@ class Comparison(BaseModel):
         rows: The runs, by optimizer and seed.
         planned: How many runs there were to be.
         out: The folder with the files, if there is one.
+        problem: Why its files could not be written at the end, or an empty string.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -41,6 +42,7 @@ class Comparison(BaseModel):
     rows: tuple[Row, ...] = ()
     planned: int = 0
     out: str | None = None
+    problem: str = ""
 
     def __bool__(self) -> bool:
         """True only if all runs that were planned have every rule verified."""
@@ -55,6 +57,12 @@ class Comparison(BaseModel):
     def interrupted(self) -> bool:
         """True where the user ended it: some runs are not there, or not at their end."""
         return len(self.rows) < self.planned or any(row.interrupted for row in self.rows)
+
+    @property
+    def machines(self) -> str:
+        """On what the runs were made; several machines where it was resumed on another one."""
+        found = dict.fromkeys(row.machine for row in self.rows if row.machine)
+        return "; ".join(found) or self.machine.description
 
     @property
     def optimizers(self) -> tuple[str, ...]:

@@ -92,7 +92,7 @@ def measured(result: OptimizationResult) -> dict[str, Any]:
         "safety": result.safety if known else None,
         "completion": result.completion if known else None,
         "accepted": sum(step.accepted for step in result.steps),
-        "stop_reason": result.stop_reason,
+        "stop_reason": one_line(result.stop_reason),
         "error": one_line(result.error),
         "curve": convergence(result),
         "notes": tuple(step.note for step in result.steps if step.accepted),

@@ -13,7 +13,7 @@ from vaso.comparison.choices import Choices
 from vaso.comparison.folder import Folder
 from vaso.comparison.machine import this_machine
 from vaso.comparison.result import Comparison, in_order
-from vaso.comparison.rows import Row
+from vaso.comparison.rows import Row, one_line
 from vaso.comparison.runs import in_processes, one_by_one
 from vaso.comparison.setup import Job, Prompts, make_jobs
 from vaso.errors import OptimizerError
@@ -135,10 +135,12 @@ class _Comparing:
         self._resumed = resume
         self._machine = this_machine()
         self._lock = threading.Lock()
+        self._problem = ""
 
     def run(self, workers: int) -> Comparison:
         """Make the runs that are not finished yet."""
-        self._write()
+        if self._folder:
+            self._folder.write(self._comparison())
         finished = {key for key, row in self._rows.items() if row.finished}
         open_ = [replace(j, resume=self._resumed) for j in self._jobs if j.key not in finished]
         self._done = len(self._jobs) - len(open_)
@@ -159,11 +161,17 @@ class _Comparing:
             rows=in_order(self._rows, labels),
             planned=len({*self._rows, *(job.key for job in self._jobs)}),
             out=str(self._folder.path) if self._folder else None,
+            problem=self._problem,
         )
 
     def _write(self) -> None:
+        """Write the files. A full disk must not end the comparison; the next run tries again."""
+        self._problem = ""
         if self._folder:
-            self._folder.write(self._comparison())
+            try:
+                self._folder.write(self._comparison())
+            except OptimizerError as error:
+                self._problem = one_line(str(error))
 
     def _tell(self, run: Job | Row, event: Event | None) -> None:
         if self._listener is None:

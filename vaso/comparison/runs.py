@@ -70,14 +70,18 @@ class _Pool:
         for _ in range(workers):
             threading.Thread(target=self._work, daemon=True).start()
         left = workers
-        while left:
-            try:
-                row = self._ready.get()
+        try:
+            while left:
+                try:
+                    row = self._ready.get()
+                except KeyboardInterrupt:
+                    self._stop()
+                    continue
                 if row is not None:
                     yield row
                 left -= row is None
-            except KeyboardInterrupt:
-                self._stop()
+        finally:  # whoever takes the rows may stop as well
+            self._stop()
 
     def _stop(self) -> None:
         with self._lock:

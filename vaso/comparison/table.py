@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from vaso.comparison.rows import Row
-from vaso.comparison.statistic import Summary
+from vaso.comparison.statistic import Statistic, Summary
 from vaso.report.terminal_runs import count, percent
 
 if TYPE_CHECKING:
@@ -39,6 +39,8 @@ def comparison_view(comparison: Comparison) -> Group:
     if comparison.rows:
         parts += [_table(comparison), Text(_legend(comparison), style="dim")]
     parts += _problems(comparison.rows)
+    if comparison.problem:
+        parts.append(Text(comparison.problem, style="red"))
     if comparison.interrupted:
         there = sum(not row.interrupted for row in comparison.rows)
         text = f"interrupted: {there} of {count(comparison.planned, 'run')} came to an end"
@@ -58,8 +60,8 @@ def headline(comparison: Comparison) -> str:
     setup = comparison.setup
     tasks = count(len(setup.seen), "task")
     tasks += f", {len(setup.unseen)} unseen" if setup.unseen else ""
-    before = next((r.safety_before for r in comparison.rows if r.safety_before is not None), None)
-    start = "" if before is None else f", safety {percent(before)} at the start"
+    before = Statistic.of(row.safety_before for row in comparison.rows)
+    start = "" if before is None else f", safety {percent(before.mean)} at the start"
     return f"{setup.skill}: {tasks}{start}"
 
 
@@ -107,7 +109,7 @@ def _legend(comparison: Comparison) -> str:
     summaries = comparison.summary().values()
     runs = max(summary.runs for summary in summaries)
     what = f"mean ± standard deviation over {runs} seeds" if runs > 1 else "one seed"
-    parts = [f"{what}, on {comparison.machine.description}"]
+    parts = [f"{what}, on {comparison.machines}"]
     if comparison.setup.model:
         parts.append(f"model {comparison.setup.model}")
     if workers := in_parallel(comparison):
