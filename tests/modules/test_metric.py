@@ -1,8 +1,10 @@
 import asyncio
 import json
+import re
 
 import dspy
 import pytest
+from openai_server import prompt_of
 from vaso_scripts import BLIND, TEMPLATE, field
 
 from vaso.errors import SkillError
@@ -180,6 +182,39 @@ def test_simba_chooses_demonstrations(skill, server):
     best = simba.compile(SkillProgram(faulty, attempts=1), trainset=TASKS[:2], seed=0)
     (demo,) = best.write.demos
     assert TEMPLATE.strip() in demo["plan"]
+    assert best(task="drive").verified
+
+
+def proposes_instructions(request):
+    """A model that proposes good instructions, and writes what its instructions show."""
+    prompt = prompt_of(request)
+    outputs = prompt.partition("output fields are")[2].partition("All interactions")[0]
+    good = TEMPLATE if "if people_observed():" in prompt else BLIND
+    values = {"plan": good, "proposed_instruction": new_instructions(TEMPLATE)}
+    return "\n\n".join(
+        f"[[ ## {name} ## ]]\n{values.get(name, 'A robot drives.')}"
+        for name in [*re.findall(r"`(\w+)`", outputs), "completed"]
+    )
+
+
+@pytest.mark.parametrize("name", ["mipro", "copro"])
+def test_optimizers_that_propose_instructions(skill, server, name):
+    server.default = proposes_instructions
+    metric = verifier_metric(skill, feedback=False)
+    student = SkillProgram(skill.with_parameters({"plan_template": BLIND}), attempts=1)
+    if name == "copro":
+        best = dspy.COPRO(metric=metric, breadth=2, depth=1).compile(
+            student, trainset=TASKS[:2], eval_kwargs={"num_threads": 1}
+        )
+    else:
+        mipro = dspy.MIPROv2(
+            metric=metric, auto=None, num_candidates=2, max_bootstrapped_demos=0,
+            max_labeled_demos=0, num_threads=1,
+        )  # fmt: skip
+        best = mipro.compile(
+            student, trainset=TASKS[:2], valset=TASKS[2:], num_trials=3, minibatch=False
+        )
+    assert best.skill.plan_template == TEMPLATE.strip()
     assert best(task="drive").verified
 
 
