@@ -8,6 +8,8 @@ import pytest
 FOLDER = Path(__file__).parent
 sys.path[:0] = [str(FOLDER), str(FOLDER.parent), str(FOLDER.parent / "report")]
 
+from browser import browser, open_page  # noqa: E402, F401
+
 
 @pytest.fixture
 def server():

@@ -101,6 +101,18 @@ def test_the_report_is_one_file_that_links_to_those_of_the_runs(found, out):
     assert all(column.meaning in checked.text for column in COLUMNS.values())
 
 
+def test_the_report_can_be_read_in_a_browser(out, open_page):
+    opened = open_page(out / "report.html")
+    opened.unfold()
+    for width, scheme in ((400, "light"), (1400, "dark")):
+        opened.look_like(width, scheme)
+        assert opened.flaws() == {}, (width, scheme)
+        assert opened.is_shown(".vaso-plot") and opened.is_shown("table.numbers")
+    assert opened.messages == [] and opened.requests == []
+    opened.page.get_by_role("link", name="repair").first.click()
+    opened.page.wait_for_url("**/repair-0/report.html")
+
+
 def test_in_a_notebook_there_are_no_links_into_the_folder(found):
     html = found._repr_html_()
     assert "href=" not in html and "2 of 2" in html and not html.startswith("<!DOCTYPE")
