@@ -30,9 +30,13 @@ def _runs(path: str) -> bool:
     return found.returncode == 0
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser(tmp_path_factory) -> Iterator[Any]:
-    """A browser for all tests of a session, with a home of its own."""
+    """A browser for the tests of a module, with a home of its own.
+
+    Not for longer: as long as playwright runs, this thread has an event loop, and nothing else can
+    start one.
+    """
     path = executable()
     if path is None:
         pytest.skip(f"no browser: none of {', '.join(NAMES)} is installed (scripts/browser.sh)")

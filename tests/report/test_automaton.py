@@ -1,7 +1,7 @@
 import pytest
 
 from vaso.plan.transition_system import Edge, State, TransitionSystem
-from vaso.report.automaton import condense, guard_text
+from vaso.report.automaton import condense, gather, guard_text
 from vaso.report.graph import automaton_svg
 
 P, O = "yolo_listener('people')", "yolo_listener('obstacle')"  # noqa: E741
@@ -87,3 +87,36 @@ def test_a_cut_is_visible():
         (state(""), state("go()", 1, cut=True)), ((Edge({}, 1),), (Edge({}, 1),))
     )
     assert "not explored further" in automaton_svg(system)
+
+
+def reactive() -> TransitionSystem:
+    """At rest, stopping or going: from each of them the plan stops for people, and else goes."""
+    out = (Edge({P: True}, 1), Edge({P: False}, 2))
+    return TransitionSystem((state(""), state("stop()", 3), state("go()", 5)), (out,) * 3)
+
+
+def test_commands_that_go_on_alike_share_a_junction():
+    drawing = gather(condense(reactive()))
+    assert [n.junction for n in drawing.nodes] == [False, False, False, True]
+    links = [(k.source, k.target) for k in drawing.links]
+    assert links == [(0, 3), (1, 3), (2, 3), (3, 1), (3, 2)]
+
+
+def test_no_junction_where_a_plan_does_one_thing_after_the_other():
+    drawing = condense(climb(10))
+    assert gather(drawing) == drawing
+
+
+def test_there_and_back_to_a_junction_is_one_line_with_two_arrowheads():
+    svg = automaton_svg(reactive())
+    assert svg.count("<circle") == 1
+    assert svg.count('class="edge"') == 3
+    assert svg.count('class="arrowhead"') == 5
+    assert "A dot is where ways meet" in svg
+
+
+def test_a_behaviour_is_brought_out_through_junctions():
+    svg = automaton_svg(reactive(), [0, 2, 2])
+    assert svg.count('class="edge hot"') == 2
+    assert 'class="junction hot"' in svg
+    assert svg.count("hot") - svg.count("edge hot") - svg.count("arrowhead hot") == 3  # boxes, dot

@@ -14,6 +14,7 @@ from vaso.plan.transition_system import Guard, TransitionSystem
 from vaso.report.trace import short_call, short_sensor
 
 ALWAYS = ""
+READS = "the plan reads its sensors"
 FEW = 24
 
 
@@ -28,6 +29,7 @@ class Node:
         entry: The condition under which every edge leads here, if it is the same for all.
         cut: True where exploration stopped.
         note: Remark of the last state.
+        junction: True for a point at which ways meet and part, see :func:`gather`.
     """
 
     states: tuple[int, ...]
@@ -36,6 +38,7 @@ class Node:
     entry: str = ""
     cut: bool = False
     note: str = ""
+    junction: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,27 @@ def condense(system: TransitionSystem) -> Drawing:
         for (source, target), label in conditions.items()
     )
     return Drawing(nodes, links, folded)
+
+
+def gather(drawing: Drawing) -> Drawing:
+    """Draw fewer links: nodes from which the same links go out share a junction for them.
+
+    A plan that reads its sensors in a loop can go from every command to every other one. With a
+    junction, each command has a way to it and a way back.
+    """
+    outs: dict[frozenset[tuple[int, str]], list[int]] = defaultdict(list)
+    for node in range(len(drawing.nodes)):
+        out = frozenset((k.target, k.label) for k in drawing.links if k.source == node)
+        outs[out].append(node)
+    nodes, links, gone = list(drawing.nodes), [], set()
+    for out, sources in outs.items():
+        if len(sources) > 1 and len(out) > 1:
+            links += [Link(source, len(nodes), "") for source in sources]
+            links += [Link(len(nodes), target, label) for target, label in sorted(out)]
+            nodes.append(Node((), READS, None, junction=True))
+            gone |= set(sources)
+    kept = [k for k in drawing.links if k.source not in gone]
+    return Drawing(tuple(nodes), tuple([*kept, *links]), drawing.folded)
 
 
 def guard_text(guards: Iterable[Guard]) -> str:

@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from vaso.report.automaton import Drawing, Link
 
-BOX, MARGIN = 252, 14
-NARROW, WIDE = 56, 140
-LANE, SIDE = 16, 90
+NARROWEST, WIDEST, DOT, MARGIN = 120.0, 270.0, 16.0, 14.0
+CODE, LETTER, ROW = 7.9, 6.8, 18
+NARROW = 28.0
+LANE = 16
 DEEP = 26
-LOW, HIGH = 28, 58
+LOW, HIGH = 28, 54
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Layer, centre and height of a box, in pixels."""
+    """Layer, centre and size of a box, in pixels."""
 
     layer: int
     x: float
     y: float
-    tall: float = 0.0
+    wide: float
+    tall: float
 
     @property
     def top(self) -> float:
@@ -34,6 +36,16 @@ class Place:
         """Its lower edge."""
         return self.y + self.tall / 2
 
+    @property
+    def left(self) -> float:
+        """Its left edge."""
+        return self.x - self.wide / 2
+
+    @property
+    def right(self) -> float:
+        """Its right edge."""
+        return self.x + self.wide / 2
+
 
 @dataclass(frozen=True, slots=True)
 class Layout:
@@ -43,6 +55,7 @@ class Layout:
         places: Of each node.
         pitch: Distance of the centres of neighbours in a layer.
         lanes: The links that go past a layer, each in a lane of its own on the right.
+        bows: The links round below the boxes of a layer, each deeper than the one before.
         width: Of the boxes; the lanes come after it.
         height: Of everything.
     """
@@ -50,36 +63,66 @@ class Layout:
     places: list[Place]
     pitch: float
     lanes: list[Link]
+    bows: list[Link]
     width: float
     height: float
 
 
-def make_layout(drawing: Drawing, rows: Sequence[int]) -> Layout:
+def make_layout(drawing: Drawing, texts: Sequence[Sequence[tuple[str, str]]]) -> Layout:
     """Lay a drawing out.
 
     Args:
         drawing: The nodes and links.
-        rows: Lines of text in each box.
+        texts: The lines in each box, each with its style.
     """
     layers = _layers(drawing)
-    apart = LOW if _is_chain(drawing, layers) else HIGH
-    pitch = BOX + (WIDE if _has_side_labels(drawing, layers) else NARROW)
-    members: dict[int, list[int]] = defaultdict(list)
-    for node, layer in enumerate(layers):
-        members[layer].append(node)
-    widest = max(len(row) for row in members.values())
-    width = (widest - 1) * pitch + BOX + 2 * MARGIN
-    places: list[Place] = [Place(0, 0, 0)] * len(layers)
+    widest = max((measure(*line) for lines in texts for line in lines), default=0.0)
+    box = min(WIDEST, max(NARROWEST, widest + 24))
+    pitch = box + max([NARROW, *(measure(label) + 24 for label in _side_labels(drawing, layers))])
+    rows = _rows(drawing, layers)
+    width = max(len(row) - 1 for row in rows) * pitch + box + 2 * MARGIN
+    places: dict[int, Place] = {}
     top: float = MARGIN
-    for layer, row in sorted(members.items()):
+    for layer, row in enumerate(rows):
+        row = _ordered(row, drawing, places)
         left = width / 2 - (len(row) - 1) * pitch / 2
-        tall = 18 * max(2, *(rows[node] for node in row)) + 14
+        lines = max((len(texts[n]) for n in row if not drawing.nodes[n].junction), default=0)
+        tall = ROW * max(2, lines) + 14 if lines else DOT
         for column, node in enumerate(row):
-            places[node] = Place(layer, left + column * pitch, top + tall / 2, tall)
-        top += tall + apart
-    lanes = [k for k in drawing.links if abs(layers[k.source] - layers[k.target]) > 1]
-    height = max(p.bottom for p in places) + MARGIN + DEEP
-    return Layout(places, pitch, lanes, width, height)
+            size = (DOT, DOT) if drawing.nodes[node].junction else (box, tall)
+            places[node] = Place(layer, left + column * pitch, top + tall / 2, *size)
+        top += tall + (LOW if _is_chain(drawing, layers) else HIGH)
+    ordered = [places[n] for n in range(len(layers))]
+    far = [k for k in drawing.links if abs(layers[k.source] - layers[k.target]) > 1]
+    bows = [k for k in drawing.links if _is_bow(k, ordered, pitch)]
+    height = max(p.bottom for p in ordered) + MARGIN + DEEP + 5 * len(bows)
+    return Layout(ordered, pitch, far, bows, width, height)
+
+
+def measure(text: str, style: str = "soft") -> float:
+    """About how wide a text is."""
+    return len(text) * (CODE if style == "call" else LETTER)
+
+
+def _rows(drawing: Drawing, layers: Sequence[int]) -> list[list[int]]:
+    rows: list[list[int]] = [[] for _ in range(max(layers) + 1)]
+    for node, layer in enumerate(layers):
+        rows[layer].append(node)
+    return rows
+
+
+def _ordered(row: Sequence[int], drawing: Drawing, places: Mapping[int, Place]) -> list[int]:
+    """The nodes of a layer, each near the nodes above that lead to it."""
+    above: dict[int, list[float]] = defaultdict(list)
+    for link in drawing.links:
+        if link.source in places:
+            above[link.target].append(places[link.source].x)
+    return sorted(row, key=lambda n: sum(above[n]) / len(above[n]) if above[n] else 0.0)
+
+
+def _is_bow(link: Link, places: Sequence[Place], pitch: float) -> bool:
+    a, b = places[link.source], places[link.target]
+    return a.layer == b.layer and abs(a.x - b.x) > pitch + 1
 
 
 def _layers(drawing: Drawing) -> list[int]:
@@ -98,8 +141,10 @@ def _is_chain(drawing: Drawing, layers: Sequence[int]) -> bool:
     return len(set(layers)) == len(layers) and not any(k.label for k in drawing.links)
 
 
-def _has_side_labels(drawing: Drawing, layers: Sequence[int]) -> bool:
-    return any(
-        k.label and k.source != k.target and layers[k.source] == layers[k.target]
+def _side_labels(drawing: Drawing, layers: Sequence[int]) -> list[str]:
+    """What stands between neighbours in a layer."""
+    return [
+        k.label
         for k in drawing.links
-    )
+        if k.source != k.target and layers[k.source] == layers[k.target]
+    ]

@@ -26,7 +26,7 @@ def _table(table: TraceTable) -> Markup:
     lines = [
         *(_line(f"{s} seen?", [_at(r.sensed, i) for r in rows], table, "sensed")
           for i, s in enumerate(table.sensors)),
-        _line("plan reads", [r.reads for r in rows], table, "reads"),
+        _line("plan reads", [r.reads.replace(", ", "\n") for r in rows], table, "reads"),
         _line("robot does", [r.does for r in rows], table, "does"),
         _line("plan line", [r.line for r in rows], table, "line"),
         *(_line(v, [_at(r.values, i) for r in rows], table, "value")
