@@ -27,6 +27,7 @@ def test_offline_with_a_shipped_skill():
     assert found.verified is True
     assert "(1.0, 0.0)" in found.source
     assert found.plan.task == "Move forward 1 meter."
+    assert str(found.plan) == found.source
     assert found.feedback == "pass all specifications"
 
 
@@ -159,8 +160,14 @@ def test_vaso_s_own_planner_reads_the_feedback_in_the_task(skill, server):
     found = SkillProgram(skill, Planner())(task="drive")
     assert found.verified
     assert found.task == found.plan.task == "drive"
-    assert "What was wrong with the previous plan:" in server.prompts[1]
+    assert f"drive\n\nThe previous plan:\n{BLIND}\n\nWhat is wrong with it:" in server.prompts[1]
     assert "[[ ## plan_template ## ]]" in server.prompts[0]
+
+
+def test_a_hint_for_a_module_that_does_not_take_feedback(skill, server):
+    server.script = [plan(TEMPLATE)]
+    SkillProgram(skill, Planner())(task="drive", feedback="Mind the dog.")
+    assert "[[ ## task ## ]]\ndrive\n\nMind the dog.\n" in server.prompts[0]
 
 
 def test_a_function_that_takes_feedback(skill):

@@ -124,6 +124,11 @@ def test_a_model_that_does_not_answer(skill, server):
     assert "does not answer" in skill_tool(skill)(task="drive")
 
 
+def test_a_planner_that_fails(skill):
+    told = skill_tool(skill, planner=lambda skill, task: 1 / 0)(task="drive")
+    assert told == "It cannot be verified: ZeroDivisionError: division by zero"
+
+
 def test_a_program_of_the_user_s(skill):
     program = SkillProgram(skill, SymbolicPlanner())
     tool = skill_tool(program)

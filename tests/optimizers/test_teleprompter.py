@@ -9,7 +9,7 @@ from dspy.utils.callback import BaseCallback
 from openai_server import OpenAIServer
 
 from vaso.errors import ModelError, OptimizerError
-from vaso.modules import Planner, SkillProgram, SymbolicPlanner, verifier_metric
+from vaso.modules import Planner, SkillProgram, SkillRouter, SymbolicPlanner, verifier_metric
 from vaso.optimizers import VASO, OptimizationResult, Proposal
 from vaso.skill import Rule, Skill
 
@@ -237,6 +237,29 @@ def test_what_was_compiled_before_stays_frozen():
     compiled = compiler().compile(student, trainset=examples("home", field="place"))
     assert list(compiled.detailed_results.results) == ["others[a-b]"]
     assert compiled(place="the door").verified
+
+
+def test_skills_inside_what_was_compiled_before_stay_frozen():
+    class Journey(dspy.Module):
+        def __init__(self):
+            super().__init__()
+            self.trip = Trip()
+            self.trip._compiled = True
+            self.back = SkillProgram(SKILL, SymbolicPlanner())
+
+    compiled = compiler().compile(Journey(), trainset=examples("go"))
+    assert list(compiled.detailed_results.results) == ["back"]
+    assert compiled.trip.drive.skill == SKILL
+
+
+def test_an_example_that_no_skill_fits(caplog):
+    known = [SKILL, OTHER.model_copy(update={"description": "Waits for people."})]
+    router = SkillRouter(known, SymbolicPlanner())
+    compiled = compiler().compile(
+        router, trainset=examples("dance", "drive ahead, then wait", field="instruction")
+    )
+    assert set(compiled.detailed_results.results) == {"programs[drive]", "programs[other]"}
+    assert "'dance' fits none of the skills" in caplog.text
 
 
 def test_the_budget_is_for_all_skills_together():

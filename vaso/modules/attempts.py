@@ -113,9 +113,8 @@ class Search:
             return (self.skill, self.task), {"feedback": feedback}
         if not isinstance(self._planner, dspy.Module):
             return (self.skill, self.task), {}
-        parts = [self.task, f"What was wrong with the previous plan:\n{feedback}"]
-        parts += [f"The previous plan:\n{previous}"] if previous else []
-        return (self.skill, "\n\n".join(parts)), {}
+        told = f"The previous plan:\n{previous}\n\nWhat is wrong with it:\n" if previous else ""
+        return (self.skill, f"{self.task}\n\n{told}{feedback}"), {}
 
     def model(self, lm: Any) -> Any:
         """The model for the next plan, with a rollout of its own where a cache would repeat one.

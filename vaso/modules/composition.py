@@ -11,6 +11,7 @@ from vaso.gradient.model import PASS_TEXT, Level
 from vaso.modules.joining import Piece, Segment, join
 from vaso.modules.merging import Merged, merge, robot_functions
 from vaso.modules.verdicts import verdicts
+from vaso.plan import compile_plan
 from vaso.plan.labelling import Labelling
 from vaso.plan.model import Plan
 from vaso.plan.transition_system import TransitionSystem
@@ -148,23 +149,29 @@ def _alone(part: Part, instruction: str) -> Composition:
 
 def _joined(parts: Sequence[Part], merged: Merged, instruction: str) -> tuple[Plan, list[Segment]]:
     robot = get_platform(merged.skill.platform)
+    flown = robot.trajectory is not None
     functions = Labelling(merged.skill.labelling_code, robot).functions
     source, segments = join(
         [
-            Piece(part.skill.name, str(part), part.plan.source, names, _last_line(part))
+            Piece(
+                part.skill.name,
+                str(part),
+                part.plan.source,
+                names,
+                _last_line(part) if flown else None,
+            )
             for part, names in zip(parts, merged.renamed, strict=True)
         ],
         {*functions, *robot_functions(robot)},
-        trajectory=robot.trajectory is not None,
+        trajectory=flown,
     )
     return Plan(source=source, task=instruction), segments
 
 
 def _last_line(part: Part) -> int | None:
     """The line of a trajectory's last set-point."""
-    system = verdicts.explored(part.skill, part.plan).system
-    lines = [state.line for state in system.states if state.line] if system else []
-    return lines[-1] if lines else None
+    states = compile_plan(part.plan, part.skill).states
+    return next((state.line for state in reversed(states) if state.line), None)
 
 
 def _placed(

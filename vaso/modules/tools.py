@@ -175,8 +175,10 @@ def _listing(plan: Plan) -> str:
 
 
 def _said(work: Callable[[], str]) -> str:
-    """What there is to say, also where a skill or a model cannot be used."""
+    """What there is to say, also where a skill or a model cannot be used. Agents need an answer."""
     try:
         return work()
     except VasoError as error:
         return f"It cannot be verified: {error}"
+    except Exception as error:
+        return f"It cannot be verified: {type(error).__name__}: {error}"

@@ -13,15 +13,13 @@ from typing import Any
 from vaso.errors import VasoError
 from vaso.gradient import find_repair, textual_gradient
 from vaso.gradient.model import Edit, Level
-from vaso.plan import Budget, compile_plan
+from vaso.plan import compile_plan
 from vaso.plan.model import Plan
 from vaso.platforms import Platform
 from vaso.skill import Skill
 from vaso.verdict import VerificationResult
 from vaso.verification import verify
 
-SECONDS = 20.0
-"""Bound for exploring a plan, and for checking it."""
 KEPT_VERDICTS = 2_048
 KEPT_STATES = 20_000
 """Transition systems are kept up to this many states in total; a state takes about 3 kB."""
@@ -45,13 +43,7 @@ class Verdicts:
         verifications: How many plans were verified, rather than remembered.
     """
 
-    def __init__(self, *, seconds: float = SECONDS) -> None:
-        """Start with an empty memory.
-
-        Args:
-            seconds: Bound for exploring a plan, and for checking it.
-        """
-        self.seconds = seconds
+    def __init__(self) -> None:
         self.verifications = 0
         self._lock = threading.Lock()
         self._entries: OrderedDict[Hashable, _Entry] = OrderedDict()
@@ -122,9 +114,7 @@ class Verdicts:
         with entry.lock:
             result = entry.result
             if result is None:
-                budget = Budget(seconds=self.seconds)
-                result = verify(skill, plan, verifier=verifier, budget=budget, timeout=self.seconds)
-                entry.result = result
+                result = entry.result = verify(skill, plan, verifier=verifier)
                 with self._lock:
                     self.verifications += 1
         self._forget()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import Any
 import dspy
 from dspy.teleprompt.teleprompt import Teleprompter
 
-from vaso.errors import OptimizerError, VasoError
+from vaso.errors import OptimizerError
 from vaso.gradient.model import Level
 from vaso.modules.attempts import PlannerLike
 from vaso.modules.metric import verifier_metric
@@ -24,10 +24,10 @@ from vaso.optimizers.budget import Budget, Spent
 from vaso.optimizers.result import OptimizationResult
 from vaso.optimizers.run import optimize
 from vaso.optimizers.session import Driver
+from vaso.optimizers.students import skill_programs, tasks_of
 from vaso.skill import ParameterName, Skill
 
 SAFETY = verifier_metric(feedback=False)
-logger = logging.getLogger("vaso")
 
 
 @dataclass(frozen=True)
@@ -200,87 +200,6 @@ class VASO(Teleprompter):  # type: ignore[misc]
         return float(evaluate(program).score)
 
 
-# -- programs and their tasks ------------------------------------------------------------------
-
-
-def skill_programs(module: dspy.Module) -> dict[str, SkillProgram]:
-    """The skills in a program by their path; those in a sub-module compiled before stay frozen."""
-    found = {}
-    for path, program in module.named_sub_modules(SkillProgram, skip_compiled=False):
-        if program is module or not getattr(program, "_compiled", False):
-            found[path.removeprefix("self.")] = program
-    return found
-
-
-def tasks_of(
-    module: dspy.Module, programs: dict[str, SkillProgram], examples: Sequence[Any]
-) -> dict[str, list[str]]:
-    """The task prompts of each skill that gets any.
-
-    One skill gets the task of every example. Where there are several, the module is run on the
-    examples to see which tasks it hands to which skill.
-
-    Raises:
-        OptimizerError: An example has no task.
-    """
-    if len(programs) == 1:
-        return {name: _unique(map(task_of, examples)) for name in programs if examples}
-    owners = {id(program.write): name for name, program in programs.items()}
-    tasks: dict[str, list[str]] = {name: [] for name in programs}
-    for example in examples:
-        for predictor, inputs, _ in _trace(module, example):
-            if id(predictor) in owners:
-                tasks[owners[id(predictor)]].append(str(inputs["task"]))
-    return {name: _unique(found) for name, found in tasks.items() if found}
-
-
-def task_of(example: Any) -> str:
-    """The task prompt of an example: its field ``task``, or else its first input field.
-
-    Raises:
-        OptimizerError: It has neither.
-    """
-    if isinstance(example, str):
-        return example
-    if "task" in example:
-        return str(example["task"])
-    named = getattr(example, "_input_keys", None)
-    first = next(iter(example.inputs().keys()), None) if named else None
-    if first is None:
-        raise OptimizerError(
-            f"the example {example!r} has no task",
-            expected='dspy.Example(task="…").with_inputs("task")',
-        )
-    return str(example[first])
-
-
-def _trace(module: dspy.Module, example: Any) -> list[Any]:
-    """The calls of predictors when a module is run on an example; those before an error, if any."""
-    with dspy.context(trace=[]):
-        try:
-            module(**_inputs(example))
-        except VasoError:
-            raise
-        except Exception as error:
-            logger.warning("the program failed on %r: %s", example, error)
-        return list(dspy.settings.trace)
-
-
-def _inputs(example: Any) -> dict[str, Any]:
-    if isinstance(example, str):
-        return {"task": example}
-    has_keys = getattr(example, "_input_keys", None) is not None
-    return dict(example.inputs()) if has_keys else {"task": task_of(example)}
-
-
-def _example(task: str) -> Any:
-    return dspy.Example(task=task).with_inputs("task")
-
-
-def _unique(tasks: Iterable[str]) -> list[str]:
-    return list(dict.fromkeys(tasks))
-
-
 # -- drawing plans -----------------------------------------------------------------------------
 
 
@@ -303,6 +222,10 @@ def _planner(program: SkillProgram) -> PlannerLike:
     if program.planner is None or isinstance(program.planner, dspy.Module):
         return DrawPlans(program)
     return program.draw
+
+
+def _example(task: str) -> Any:
+    return dspy.Example(task=task).with_inputs("task")
 
 
 # -- budget, folders, logs ---------------------------------------------------------------------

@@ -40,3 +40,7 @@ class Plan(BaseModel):
     def name(self) -> str:
         """How messages call it."""
         return self.path or "plan"
+
+    def __str__(self) -> str:
+        """Its text."""
+        return self.source
