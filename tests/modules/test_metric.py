@@ -77,6 +77,8 @@ def test_shipped_skills_by_name():
     assert verifier_metric("drive")(None, pred("stop()")).score < 1.0
     with pytest.raises(SkillError, match="no skill"):
         verifier_metric("drvie")
+    with pytest.raises(SkillError, match="no level 'much'"):
+        verifier_metric("drive", level="much")
 
 
 def test_the_prediction_s_own_skill(skill):

@@ -174,6 +174,8 @@ def test_steps_that_cannot_be_used(steps, message):
         (["swim"], {}, "no skill 'swim'"),
         ([GOING], {"routing": "dice"}, "no routing 'dice'"),
         ([GOING], {"attempts": 0}, "0 attempts"),
+        ([SkillProgram(GOING)], {"attempts": 0}, "0 attempts"),
+        ([SkillProgram(GOING)], {"level": "much"}, "no level 'much'"),
     ],
 )
 def test_bad_options(skills, options, message):

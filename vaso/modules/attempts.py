@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import dspy
 
 from vaso.errors import SkillError
+from vaso.gradient.model import Level
 from vaso.modules.symbolic import SymbolicPlanner
 from vaso.plan.model import Plan
 from vaso.skill import Skill
@@ -22,6 +23,29 @@ if TYPE_CHECKING:
 PlannerLike = Callable[..., Any]
 """Called with a skill and a task; gives a :class:`~vaso.plan.Plan`, its text, or a
 ``dspy.Prediction`` with one in its field ``plan``. It may take ``feedback``."""
+
+
+def level_of(level: Level | str) -> Level:
+    """A level of feedback by name.
+
+    Raises:
+        SkillError: There is none of that name.
+    """
+    try:
+        return Level(level)
+    except ValueError:
+        raise SkillError(f"there is no level '{level}'", expected=", ".join(Level)) from None
+
+
+def count_of(attempts: int) -> int:
+    """A number of attempts.
+
+    Raises:
+        SkillError: It is no whole number from 1 on.
+    """
+    if isinstance(attempts, bool) or not isinstance(attempts, int) or attempts < 1:
+        raise SkillError(f"{attempts!r} attempts cannot be made", expected="1 or more")
+    return attempts
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import dspy
 from vaso.errors import SkillError
 from vaso.gradient.model import Level
 from vaso.modules.asking import code_of
+from vaso.modules.attempts import level_of
 from vaso.modules.composition import Composition
 from vaso.modules.verdicts import verdicts
 from vaso.plan.model import Plan
@@ -47,11 +48,11 @@ def verifier_metric(
         or ``dspy.GEPA(metric=verifier_metric("drive"), reflection_lm=lm, auto="light")``.
 
     Raises:
-        SkillError: There is no such skill.
+        SkillError: There is no such skill, or no such level.
     """
     known = skill is None or isinstance(skill, Skill)
     found = skill if known else load_skill(skill)  # type: ignore[arg-type]
-    return VerifierMetric(found, Level(level), field, feedback, verifier)  # type: ignore[arg-type]
+    return VerifierMetric(found, level_of(level), field, feedback, verifier)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)

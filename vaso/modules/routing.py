@@ -16,7 +16,7 @@ from vaso.errors import SkillError
 from vaso.gradient.model import Level
 from vaso.lm import explain
 from vaso.modules.asking import model_of
-from vaso.modules.attempts import PlannerLike
+from vaso.modules.attempts import PlannerLike, count_of, level_of
 from vaso.modules.composition import Composition, Part, compose
 from vaso.modules.skill_program import SkillProgram
 from vaso.modules.symbolic import SymbolicPlanner
@@ -129,7 +129,7 @@ class SkillRouter(dspy.Module):  # type: ignore[misc]
             raise SkillError("there are no skills to choose from")
         self.route = dspy.Predict(RouteInstruction)
         self.routing = routing or ("words" if symbolic else "model")
-        self.attempts, self.verifier, self.level = attempts, verifier, Level(level)
+        self.attempts, self.level, self.verifier = count_of(attempts), level_of(level), verifier
 
     # -- calling -------------------------------------------------------------------------------
 
@@ -157,7 +157,7 @@ class SkillRouter(dspy.Module):  # type: ignore[misc]
                 with self._asking(module):
                     reply = module(**inputs)
             except AdapterParseError as error:
-                reply = error
+                reply = self._unreadable(module, error)
             except LMError as error:
                 raise explain(error) from error
 
@@ -176,9 +176,15 @@ class SkillRouter(dspy.Module):  # type: ignore[misc]
                 with self._asking(module):
                     reply = await module.acall(**inputs)
             except AdapterParseError as error:
-                reply = error
+                reply = self._unreadable(module, error)
             except LMError as error:
                 raise explain(error) from error
+
+    def _unreadable(self, module: dspy.Module, error: AdapterParseError) -> AdapterParseError:
+        """Take an answer without the format for what it is, if it is about steps."""
+        if module is not self.route:
+            raise error
+        return error
 
     def _asking(self, module: dspy.Module) -> AbstractContextManager[Any]:
         """The model for the router's own predictor; programs see to theirs."""

@@ -15,7 +15,15 @@ import dspy
 from vaso.errors import SkillError
 from vaso.gradient.model import Level
 from vaso.modules.asking import model_of
-from vaso.modules.attempts import Attempt, PlannerLike, Search, plan_of, tracing
+from vaso.modules.attempts import (
+    Attempt,
+    PlannerLike,
+    Search,
+    count_of,
+    level_of,
+    plan_of,
+    tracing,
+)
 from vaso.modules.plan_writer import PlanWriter
 from vaso.modules.verdicts import verdicts
 from vaso.plan.model import Plan
@@ -86,8 +94,6 @@ class SkillProgram(dspy.Module):  # type: ignore[misc]
         super().__init__(callbacks=callbacks)
         if strategy not in STRATEGIES:
             raise SkillError(f"there is no strategy '{strategy}'", expected=" or ".join(STRATEGIES))
-        if isinstance(attempts, bool) or not isinstance(attempts, int) or attempts < 1:
-            raise SkillError(f"{attempts!r} attempts cannot be made", expected="1 or more")
         if planner is not None and not callable(planner):
             raise SkillError(
                 f"{planner!r} is not a planner",
@@ -95,10 +101,10 @@ class SkillProgram(dspy.Module):  # type: ignore[misc]
             )
         self.write = PlanWriter(skill if isinstance(skill, Skill) else load_skill(skill))
         self.planner = planner
-        self.attempts = attempts
+        self.attempts = count_of(attempts)
         self.strategy = strategy
         self.verifier = verifier
-        self.level = _level(level)
+        self.level = level_of(level)
 
     # -- the skill's texts -----------------------------------------------------------------------
 
@@ -199,10 +205,3 @@ async def _call(planner: PlannerLike, *args: Any, **options: Any) -> Any:
         return await planner(*args, **options)
     answer = await asyncio.to_thread(planner, *args, **options)
     return await answer if isinstance(answer, Awaitable) else answer
-
-
-def _level(level: Level | str) -> Level:
-    try:
-        return Level(level)
-    except ValueError:
-        raise SkillError(f"there is no level '{level}'", expected=", ".join(Level)) from None

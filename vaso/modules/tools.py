@@ -13,7 +13,7 @@ import dspy
 from vaso.errors import VasoError
 from vaso.gradient.model import Level
 from vaso.modules.asking import code_of
-from vaso.modules.attempts import PlannerLike
+from vaso.modules.attempts import PlannerLike, level_of
 from vaso.modules.skill_program import SkillProgram
 from vaso.modules.verdicts import verdicts
 from vaso.plan.model import Plan
@@ -55,7 +55,7 @@ def verify_tool(
         SkillError: There is no such skill.
     """
     chosen = skill if isinstance(skill, Skill) else load_skill(skill)
-    level = Level(level)
+    level = level_of(level)
 
     def verify_plan(plan: str) -> str:
         return _said(lambda: _verdict(chosen, Plan(source=code_of(plan)), level, verifier))
