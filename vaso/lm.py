@@ -7,6 +7,8 @@ from typing import Any
 
 from vaso.errors import ModelError
 
+os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")  # else litellm asks the network
+
 NAME_VARIABLE = "VASO_LM"
 BASE_VARIABLES = ("VASO_API_BASE", "OPENAI_API_BASE", "OPENAI_BASE_URL")
 HOW = (
@@ -67,8 +69,7 @@ def _connection(name: str) -> dict[str, Any]:
 
 
 def import_dspy() -> Any:
-    """Import dspy without its look-ups on the network."""
-    os.environ.setdefault("LITELLM_LOCAL_MODEL_COST_MAP", "True")
+    """Import dspy, where it is needed: commands that only verify do without it."""
     import dspy
 
     return dspy
