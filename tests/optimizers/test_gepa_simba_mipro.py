@@ -26,7 +26,7 @@ from rewrites import (
     reasons,
 )
 
-from vaso.modules import Planner
+from vaso.modules import Planner, SymbolicPlanner
 from vaso.optimizers.budget import Budget
 from vaso.skill_file import load_skill, load_tasks
 
@@ -151,10 +151,33 @@ def test_leaves_the_process_as_it_was(server, optimizer):
 
 
 def test_what_the_user_shows_is_shown(server, optimizer, capfd):
-    result, _ = optimize(server, optimizer, fenced(GOOD), on_event=lambda event: print(event.kind))
+    def planner(skill, task):
+        print("drawing")
+        return SymbolicPlanner()(skill, task)
+
+    result, _ = optimize(
+        server, optimizer, fenced(GOOD), planner=planner, on_event=lambda event: print(event.kind)
+    )
     shown = capfd.readouterr().out.split()
-    assert result.verified and shown[0] == "started" and shown[-1] == "finished"
-    assert {"step", "proposed", "accepted"} <= set(shown)
+    assert result.verified and shown[:2] == ["started", "drawing"] and shown[-1] == "finished"
+    assert {"step", "proposed", "accepted"} <= set(shown) and shown.count("drawing") == 2
+
+
+def test_a_model_that_can_follow_a_grammar_is_told_which(server, optimizer):
+    grammars = []
+
+    class Grammatical(dspy.LM):
+        follows_grammar = False
+
+        def with_grammar(self, gbnf):
+            grammars.append(gbnf)
+            tied = self.copy()
+            tied.follows_grammar = True
+            return tied
+
+    lm = Grammatical("openai/test", api_base=server.url, api_key="none", cache=False)
+    result, _ = optimize(server, optimizer, GOOD, lm=lm)
+    assert result.verified and len(grammars) == 1 and '"forward()"' in grammars[0]
 
 
 def test_a_planner_whose_model_fails(server, optimizer):

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from vaso.local.constrain import constrained
 from vaso.modules.asking import code_of, first_text
 from vaso.modules.judging import objective
 from vaso.optimizers.base import Case, LossValue
@@ -156,7 +157,8 @@ class TextsAdapter:
         try:
             for name in components_to_update:
                 prompt = self._prompt(candidate, name, reflective_dataset[name])
-                reply = first_text(self._rewrites.rollout(self._session.lm)(prompt))
+                lm = self._rewrites.rollout(self._session.lm)
+                reply = first_text(constrained(lm, self._session.best.skill, name)(prompt))
                 proposal.prompts[name], proposal.raw_lm_outputs[name] = prompt, reply
                 proposal.new_texts[name] = code_of(reply).strip("\n")
             new = self._offer({**candidate, **proposal.new_texts}, ", ".join(proposal.new_texts))

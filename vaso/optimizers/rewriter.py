@@ -17,10 +17,11 @@ from typing import Any
 import dspy
 from dspy.utils.exceptions import AdapterParseError
 
-from vaso.modules.asking import code_of
+from vaso.local.constrain import constrained
+from vaso.modules.asking import ask, code_of
 from vaso.modules.judging import objective, verdict_text
 from vaso.optimizers.base import Case, LossValue
-from vaso.optimizers.quiet import quiet
+from vaso.optimizers.quiet import aloud, quiet
 from vaso.optimizers.rewriting import Rewrites, RewriteText, feedback_on, question, to_blame
 from vaso.optimizers.session import Outcome, Session
 
@@ -40,16 +41,18 @@ class Rewriter(dspy.Module):  # type: ignore[misc]
         name = to_blame(value, session.best)
         lm = self.rewrites.rollout(self.rewrite.lm or dspy.settings.lm)
         try:
-            reply = self.rewrite(
+            reply = ask(
+                self.rewrite,
+                "new_text",
+                constrained(lm, session.best.skill, name),
                 **question(session.best, name, self.rewrites.tried),
                 plan=value.plan,
                 feedback=feedback_on(name, value),
-                lm=lm,
             )
         except Exception as error:
             session.failed(error)
             return dspy.Prediction(name=name, new_text=None)
-        return dspy.Prediction(name=name, new_text=code_of(reply.new_text or "").strip("\n"))
+        return dspy.Prediction(name=name, new_text=code_of(reply).strip("\n"))
 
 
 class Gain:
@@ -78,7 +81,8 @@ class Gain:
         """What became of the rewrite; None if the planner's model failed, which costs a step."""
         texts, note = {prediction.name: prediction.new_text}, f"rewrote {prediction.name}"
         try:
-            return self.rewrites.offer(texts, note)
+            with aloud():  # a planner of the user's may print
+                return self.rewrites.offer(texts, note)
         except Exception as error:
             self.rewrites.session.failed(error)
             return None

@@ -34,7 +34,7 @@ class Simba:
 
     def __post_init__(self) -> None:
         if importlib.util.find_spec("numpy") is None:
-            raise MissingDependencyError("numpy", "simba")
+            raise MissingDependencyError("numpy", "mipro")
 
     def drive(self, session: Session) -> None:
         """Run SIMBA until the session ends."""
