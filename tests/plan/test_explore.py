@@ -535,3 +535,12 @@ def test_generator_expressions_that_act_are_refused(source):
 def test_generator_expressions_that_only_look_are_fine():
     source = "while True:\n    if any(yolo_listener(n) for n in ('people', 'obstacle')) or any(f() for f in [people_observed]):\n        stop()\n    else:\n        forward()\n"
     assert compiled(source).cut is None
+
+
+@pytest.mark.parametrize(
+    "flight",
+    ["vel_traj = [(0.0, 0.0, -0.5), (0.0, 0.0, 0.5)]\n", "set_velocity((0.0, 0.0, 0.0))\n"],
+)
+def test_a_variable_that_a_flight_never_sets_is_no_error(flight):
+    source = f"n = 3\nif n > 5:\n    extra = [(0.0, 0.0, 0.5)]\n{flight}"
+    assert compiled(source, FLY).cut is None

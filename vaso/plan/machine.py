@@ -271,6 +271,8 @@ def _error_name(error: MontyError, inner: BaseException) -> str:
 
 
 def _answer(snapshot: Any, reply: Any) -> Any:
+    if isinstance(reply, Throw) and isinstance(snapshot, NameLookupSnapshot):
+        return snapshot.resume()  # a name without a value raises NameError in the sandbox
     if isinstance(reply, Throw):
         error = getattr(builtins, reply.error, RuntimeError)
         return snapshot.resume({"exception": error(reply.message)})

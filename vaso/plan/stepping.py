@@ -307,6 +307,9 @@ class Stepper:
         known = self.platform.sensor(event.name) or self.platform.command(event.name)
         if known or event.name in self.labelling.functions:
             return Stub(event.name)
+        if event.line > self.source.count("\n") + 1:
+            # What VASO adds after the plan asks for every list, also for one that was never made.
+            return Throw("NameError", event.name)
         raise PlanError(
             f"the name '{event.name}' is not defined", source=self.name, line=event.line
         )
