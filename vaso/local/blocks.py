@@ -74,13 +74,13 @@ class Blocks:
     def _tail(self, depth: int) -> str:
         """What may end a block in a loop."""
         tab = INDENT * depth
-        skip = gbnf.seq("send", gbnf.text(f"\n{tab}continue\n"))
+        skip = gbnf.seq(self.scope.send, gbnf.text(f"\n{tab}continue\n"))
         return gbnf.seq(gbnf.text(tab), gbnf.alt([gbnf.text("break\n"), skip]))
 
     def _round(self, depth: int, changes: str, inner: bool) -> str:
         """A block in which something passes the time whatever the variables are."""
         tab = gbnf.text(INDENT * depth)
-        pace = [gbnf.seq("send", gbnf.text("\n"))]
+        pace = [gbnf.seq(self.scope.send, gbnf.text("\n"))]
         if inner:
             times = gbnf.seq(gbnf.text("for _ in range("), "count", gbnf.text("):\n"))
             pace.append(gbnf.seq(times, self._at("round", depth + 1)))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from vaso.local import gbnf
 from vaso.local.kinds import NUMBERS, Kind, kind_of
-from vaso.local.vocabulary import Vocabulary
+from vaso.local.vocabulary import Call, Vocabulary
 
 BASICS = {
     "uint": '"0" | [1-9] [0-9]{0,2}',
@@ -54,14 +54,15 @@ class Scope:
         """
         for name, rule in BASICS.items():
             rules.add(name, rule)
-        if self.words.sensors:
-            rules.add("call", gbnf.alt(self.words.sensors.values()))
-            pair = gbnf.seq(gbnf.text("not ("), "call", "junction", "call", gbnf.text(")"))
-            rules.add("sensor", f'"not "? call | {pair}')
         self._write_numbers(rules)
+        if self.words.sensors:
+            call = rules.add(self.call, gbnf.alt(self._written(self.words.sensors)))
+            pair = gbnf.seq(gbnf.text("not ("), call, "junction", call, gbnf.text(")"))
+            rules.add(self.sensor, f'"not "? {call} | {pair}')
         self._write_conditions(rules)
-        rules.add("send", gbnf.alt(self._commands()))
-        rules.add(self.rule("do"), gbnf.alt(["send", *self._calls()]))
+        sleep = gbnf.call("time.sleep", ["duration"])
+        rules.add(self.send, gbnf.alt([*self._written(self.words.commands), sleep]))
+        rules.add(self.rule("do"), gbnf.alt([self.send, *self._calls()]))
         if options := [*self._updates(rules), *map(gbnf.text, self._own_assignments())]:
             rules.add(self.rule("set"), gbnf.alt(options))
 
@@ -73,16 +74,35 @@ class Scope:
         """The variables of some kinds."""
         return [name for name, kind in self.kinds.items() if kind in kinds]
 
-    def _commands(self) -> Iterator[str]:
-        yield from self.words.commands.values()
-        yield gbnf.seq(gbnf.text("time.sleep("), "duration", gbnf.text(")"))
+    @property
+    def send(self) -> str:
+        """The rule of commands; the same everywhere unless they take numbers."""
+        return self._shared("send", self.words.commands)
+
+    @property
+    def call(self) -> str:
+        """The rule of calls of sensors."""
+        return self._shared("call", self.words.sensors)
+
+    @property
+    def sensor(self) -> str:
+        """The rule of conditions on sensors alone."""
+        return self._shared("sensor", self.words.sensors)
+
+    def _shared(self, part: str, calls: Mapping[str, Call]) -> str:
+        return part if all(c.fixed for c in calls.values()) else self.rule(part)
+
+    def _written(self, calls: Mapping[str, Call]) -> list[str]:
+        return [call.write(self._number(), self._whole()) for call in calls.values()]
+
+    def _number(self) -> str:
+        return self.rule("value") if self.names(*NUMBERS) else "number"
 
     def _calls(self) -> Iterator[str]:
         """Calls of the plan's own functions."""
-        number = self.rule("value") if self.names(*NUMBERS) else "number"
         for name, kinds in self.functions.items():
-            given = [self._whole() if kind == "int" else number for kind in kinds]
-            yield gbnf.call(name, given)
+            call = Call(name, tuple(("", kind) for kind in kinds))
+            yield call.write(self._number(), self._whole())
 
     def _write_numbers(self, rules: gbnf.Rules) -> None:
         counts = ["count", *map(gbnf.text, self.names("int"))]
@@ -95,20 +115,21 @@ class Scope:
         rules.add(self.rule("times"), gbnf.alt(counts))
 
     def _write_conditions(self, rules: gbnf.Rules) -> None:
-        checks = [gbnf.seq(call, "relation", "number") for call in self.words.gauges.values()]
+        gauges = self._written(self.words.gauges)
+        checks = [gbnf.seq(call, "relation", "number") for call in gauges]
         if self.names(*NUMBERS):
             checks.append(gbnf.seq(self.rule("var"), "relation", self.rule("value")))
         if flags := self.names("bool"):
             checks.append(gbnf.seq(gbnf.maybe(gbnf.text("not ")), gbnf.texts(flags)))
         checks += map(gbnf.text, self._own_tests())
-        sensors = ["sensor"] if self.words.sensors else []
+        sensors = [self.sensor] if self.words.sensors else []
         if not checks and not sensors:
             return
         rules.add(self.rule("test"), gbnf.alt([*sensors, *checks]))
         more = gbnf.repeat(gbnf.seq("junction", self.rule("test")), 0, MORE_TESTS)
         rules.add(self.rule("if"), gbnf.seq(self.rule("test"), more))
         if sensors:
-            rules.add(self.rule("see"), gbnf.seq("sensor", more))
+            rules.add(self.rule("see"), gbnf.seq(self.sensor, more))
         if checks:
             rules.add(self.rule("check"), gbnf.seq(gbnf.alt(checks), more))
 

@@ -10,13 +10,47 @@ from vaso.local import gbnf
 from vaso.local.kinds import Kind
 from vaso.ltl import propositions
 from vaso.plan.labelling import Labelling
-from vaso.platforms import Platform, get_platform
+from vaso.platforms import Command, Platform, get_platform
 from vaso.skill import Skill
 
 BOOLEANS = '("True" | "False")'
 NOUN = r'"\"" [a-z] [a-z0-9 _-]{0,23} "\""'
 """A text such as ``"trash bin"``, for the name of an object."""
 _ANNOTATIONS = ("int", "float", "bool", "str")
+
+
+@dataclass(frozen=True)
+class Call:
+    """How a function is called.
+
+    Attributes:
+        name: The function.
+        arguments: Its arguments: what stands before the value (``linear=``), and the value: a piece
+            of a grammar, or one of ``int`` and ``float`` for any number of that kind.
+        size: For a function that takes one vector: its number of components.
+    """
+
+    name: str
+    arguments: tuple[tuple[str, str], ...] = ()
+    size: int = 0
+
+    @property
+    def fixed(self) -> bool:
+        """True if it is written in the same way everywhere: no argument is a number."""
+        return not self.size and all(kind not in ("int", "float") for _, kind in self.arguments)
+
+    def write(self, number: str = "number", whole: str = "uint") -> str:
+        """The call as a piece of a grammar.
+
+        Args:
+            number: What a number may be.
+            whole: What a whole number may be.
+        """
+        if self.size:
+            return gbnf.call(self.name, [gbnf.call("", [number] * self.size)])
+        values = {"float": number, "int": whole}
+        pairs = [(gbnf.text(label) if label else "", v) for label, v in self.arguments]
+        return gbnf.call(self.name, [gbnf.seq(label, values.get(v, v)) for label, v in pairs])
 
 
 @dataclass(frozen=True)
@@ -31,9 +65,9 @@ class Vocabulary:
         settings: Those of them that its functions read.
     """
 
-    sensors: dict[str, str] = field(default_factory=dict)
-    gauges: dict[str, str] = field(default_factory=dict)
-    commands: dict[str, str] = field(default_factory=dict)
+    sensors: dict[str, Call] = field(default_factory=dict)
+    gauges: dict[str, Call] = field(default_factory=dict)
+    commands: dict[str, Call] = field(default_factory=dict)
     constants: frozenset[str] = frozenset()
     settings: frozenset[str] = frozenset()
 
@@ -78,9 +112,9 @@ def vocabulary(skill: Skill) -> Vocabulary:
     functions = [n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name[0] != "_"]
     sensing = _reaching({s.name for s in robot.sensors}, functions)
     helpers = _helpers(functions, labelling.acting) - used - _propositions(skill)
-    commands: dict[str, str] = {}
-    sensors: dict[str, str] = {}
-    gauges: dict[str, str] = {}
+    commands: dict[str, Call] = {}
+    sensors: dict[str, Call] = {}
+    gauges: dict[str, Call] = {}
     for node in functions:
         call = _call(node, nouns)
         kind = _returned(node, robot, sensors)
@@ -93,11 +127,11 @@ def vocabulary(skill: Skill) -> Vocabulary:
         elif kind in ("int", "float") and node.name in sensing | used:
             gauges[node.name] = call
     low = {c.name for c in robot.commands} if not commands else used
-    commands |= {c.name: _command(c.name, c.parameters) for c in robot.commands if c.name in low}
+    commands |= {c.name: _command(c) for c in robot.commands if c.name in low}
     low = {s.name for s in robot.sensors} if not (sensors or gauges) else used
     for sensor in robot.sensors:
         if sensor.name in low and set(sensor.domain) == {False, True}:
-            sensors[sensor.name] = gbnf.call(sensor.name, [nouns] * len(sensor.parameters))
+            sensors[sensor.name] = Call(sensor.name, (("", nouns),) * len(sensor.parameters))
     return Vocabulary(
         sensors,
         gauges,
@@ -157,34 +191,29 @@ def _nouns(robot: Platform, trees: Sequence[ast.AST]) -> str:
     return gbnf.texts(f'"{t}"' for t in plain) if plain else NOUN
 
 
-def _call(node: ast.FunctionDef, nouns: str) -> str | None:
-    """A call of a function, or None if it needs something that cannot be written down here."""
+def _call(node: ast.FunctionDef, nouns: str) -> Call | None:
+    """How to call a function; None if it needs something that cannot be written down here."""
     required = [*node.args.posonlyargs, *node.args.args]
     required = required[: len(required) - len(node.args.defaults)]
     if any(default is None for default in node.args.kw_defaults):
         return None
-    values = {"int": "uint", "float": "number", "bool": BOOLEANS, "str": nouns}
     kinds = [_annotation(a.annotation) for a in required]
-    if any(kind is None for kind in kinds):
+    values = {"int": "int", "float": "float", "bool": BOOLEANS, "str": nouns}
+    by_name = len(required) > 1 and not node.args.posonlyargs
+    labels = [f"{a.arg}=" if by_name else "" for a in required]
+    if None in kinds:
         return None
-    names = [f"{a.arg}=" if len(required) > 1 else "" for a in required]
-    if node.args.posonlyargs:
-        names = [""] * len(required)
-    given = [
-        gbnf.seq(gbnf.text(n) if n else "", values[str(k)])
-        for n, k in zip(names, kinds, strict=True)
-    ]
-    return gbnf.call(node.name, given)
+    return Call(node.name, tuple((n, values[str(k)]) for n, k in zip(labels, kinds, strict=True)))
 
 
-def _command(name: str, parameters: Sequence[object]) -> str:
-    values = []
-    for parameter in parameters:
-        size = getattr(parameter, "size", None)
-        value = gbnf.call("", ["number"] * size) if size else "number"
-        label = f"{getattr(parameter, 'name', '')}=" if len(parameters) > 1 else ""
-        values.append(gbnf.seq(gbnf.text(label) if label else "", value))
-    return gbnf.call(name, values)
+def _command(command: Command) -> Call:
+    """How to call a low-level command; a parameter with a default may be left out, and is not."""
+    sizes = [p.size for p in command.parameters]
+    if len(sizes) == 1 and sizes[0]:
+        return Call(command.name, size=sizes[0])
+    labels = [f"{p.name}=" if len(sizes) > 1 else "" for p in command.parameters]
+    vector = [gbnf.call("", ["number"] * size) if size else "float" for size in sizes]
+    return Call(command.name, tuple(zip(labels, vector, strict=True)))
 
 
 def _annotation(node: ast.expr | None) -> str | None:
