@@ -41,6 +41,8 @@ def test_a_band_only_where_several_seeds_differ():
     root = ET.fromstring(convergence_svg(CURVES))
     bands = [p for p in root.iter(f"{SVG}path") if p.get("class", "").startswith("band")]
     assert [b.get("class") for b in bands] == ["band s1"]
+    whiskers = [p for p in root.iter(f"{SVG}path") if p.get("class", "").startswith("whisker")]
+    assert [w.get("class") for w in whiskers] == ["whisker s1"]
 
 
 def test_people_who_cannot_see_it_are_told():
@@ -97,3 +99,16 @@ def test_text_can_be_read_on_every_ground(theme):
     for kind in ("pass", "fail", "unsure", "accent"):
         for ground in ("paper", "back", "code", f"{kind}-back"):
             assert contrast(theme[kind], theme[ground]) >= 4.5, (kind, ground)
+
+
+def test_lines_of_very_different_length_share_a_logarithmic_axis():
+    curves = {"short": [[(1, 0.5), (4, 1.0)]], "long": [[(1, 0.5), (40, 0.75), (400, 1.0)]]}
+    root = ET.fromstring(convergence_svg(curves))
+    texts = {t.text: t for t in root.iter(f"{SVG}text")}
+    assert "loss calls (logarithmic)" in texts
+    one, ten, hundred = (float(texts[n].get("x")) for n in ("1", "10", "100"))
+    assert ten - one == pytest.approx(hundred - ten, abs=0.2)
+    assert "loss calls (logarithmic)" not in convergence_svg(CURVES, log=False)
+    assert "logarithmic" not in convergence_svg(
+        {"a": [[(0, 0.5), (3, 1.0)]], "b": [[(0, 0), (99, 1)]]}
+    )

@@ -57,6 +57,7 @@ def _program() -> str:
 
 
 def _one(terminal: Console, name: str, folder: Path) -> tuple[Path, bool]:
+    from vaso.cli.progress import OptimizationProgress
     from vaso.feasibility import check
     from vaso.optimizers import optimize
     from vaso.report.html import optimization_html, verification_html
@@ -76,7 +77,8 @@ def _one(terminal: Console, name: str, folder: Path) -> tuple[Path, bool]:
     write_text(folder / "before.html", verification_html(before))
     _heading(terminal, "3. Repair: the smallest edit after which every rule holds")
     _say(terminal, f"task: {TASKS[name]}")
-    result = optimize(skill, [TASKS[name]], optimizer="repair", out=folder)
+    with OptimizationProgress() as progress:
+        result = optimize(skill, [TASKS[name]], optimizer="repair", out=folder, on_event=progress)
     _show_edits(terminal, result)
     _heading(terminal, "4. The repaired skill")
     after = verify(result.skill, result.skill.plan_template)

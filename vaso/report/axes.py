@@ -13,16 +13,18 @@ TOP, RIGHT, BOTTOM = 12, 18, 44
 
 @dataclass(frozen=True, slots=True)
 class Scale:
-    """Maps values to pixels."""
+    """Maps values to pixels, evenly or by their logarithm."""
 
     low: float
     high: float
     start: float
     end: float
+    log: bool = False
 
     def __call__(self, value: float) -> float:
         """The pixel of a value."""
-        share = (value - self.low) / ((self.high - self.low) or 1.0)
+        low, high, at = (math.log10(v) if self.log else v for v in (self.low, self.high, value))
+        share = (at - low) / ((high - low) or 1.0)
         return round(self.start + share * (self.end - self.start), 1)
 
 
@@ -49,6 +51,7 @@ def make_axes(
     names: tuple[str, str],
     percent: bool = False,
     whole: bool = False,
+    log: bool = False,
 ) -> Axes:
     """Lay out the axes.
 
@@ -59,12 +62,13 @@ def make_axes(
         names: What is on the x axis and on the y axis.
         percent: Label the y axis in per cent.
         whole: Only whole numbers on the x axis.
+        log: A logarithmic x axis, for values above 0.
     """
     width, height = size
     y = Scale(*y_range, height - BOTTOM, TOP)
     labels = [(t, f"{t * 100:.0f}%" if percent else f"{t:.6g}") for t in ticks(y, 4)]
     left = 30 + max(len(text) for _, text in labels) * LETTER
-    x = Scale(*x_range, left, width - RIGHT)
+    x = Scale(*x_range, left, width - RIGHT, log)
     parts = [_grid_line(y(t), left, width - RIGHT) for t, _ in labels]
     parts += [_text(text, left - 8, y(t) + 4, "end") for t, text in labels]
     parts += _x_labels(x, height - BOTTOM + 18, whole)
@@ -76,6 +80,11 @@ def make_axes(
 
 def ticks(scale: Scale, count: int) -> list[float]:
     """About ``count`` round values along a scale."""
+    if scale.log:
+        powers = range(math.floor(math.log10(scale.low)), math.ceil(math.log10(scale.high)) + 1)
+        found = [m * 10.0**power for power in powers for m in (1, 2, 5)]
+        within = [t for t in found if scale.low <= t <= scale.high]
+        return within if len(within) <= count else [t for t in within if t in found[::3]]
     step = _nice((scale.high - scale.low) / count)
     first = math.ceil(scale.low / step - 1e-9)
     values = [(first + i) * step for i in range(2 * count + 2)]
@@ -89,7 +98,7 @@ def _nice(step: float) -> float:
 
 
 def _x_labels(x: Scale, y: float, whole: bool) -> list[Markup]:
-    count = max(2, int((x.end - x.start) / 70))
+    count = max(2, int((x.end - x.start) / (40 if x.log else 70)))
     chosen = [t for t in ticks(x, count) if not whole or t == int(t)]
     return [_text(f"{t:.6g}", x(t), y, "middle") for t in chosen]
 

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from vaso.report.markup import Markup, el
 from vaso.report.plot import WIDTH, Point, Series, plot, plot_styles
 
+UNEVEN = 6
 Curve = Sequence[tuple[float, float]]
 
 
@@ -22,6 +23,7 @@ def convergence_svg(
     width: float = WIDTH,
     percent: bool = True,
     y_range: tuple[float, float] | None = (0.0, 1.0),
+    log: bool | None = None,
 ) -> Markup:
     """A convergence plot that compares optimizers, as one ``svg`` element with its styles inside.
 
@@ -42,18 +44,21 @@ def convergence_svg(
         width: In pixels; it shrinks where there is less room.
         percent: Values are shares in [0, 1].
         y_range: Lowest and highest value; from the curves where None.
+        log: A logarithmic x axis; by default where some lines are much shorter than others.
     """
     found = [(name, [c for c in seeds if c]) for name, seeds in curves.items()]
     top = 1.0 if percent else math.inf
     series = [_series(name, n, seeds, top) for n, (name, seeds) in enumerate(found) if seeds]
+    log = _is_uneven(series) if log is None else log
     drawing = plot(
         series,
-        x_label=x_label,
+        x_label=f"{x_label} (logarithmic)" if log else x_label,
         y_label=y_label,
         title=title or f"{y_label} over {x_label}, by optimizer",
         description="; ".join(_told(s, x_label, percent) for s in series),
         y_range=y_range,
-        x_start=0.0,
+        x_start=None if log else 0.0,
+        log=log,
         percent=percent,
         width=width,
         height=max(230, width * 0.42),
@@ -97,6 +102,13 @@ def _series(name: str, number: int, seeds: Sequence[Curve], top: float) -> Serie
         marked=frozenset(changes | {0, len(found) - 1}),
         band=band,
     )
+
+
+def _is_uneven(series: Sequence[Series]) -> bool:
+    """True where a linear axis would squeeze some lines into a corner."""
+    ends = [s.points[-1].x for s in series]
+    starts = [s.points[0].x for s in series]
+    return bool(ends) and min(starts) > 0 and max(ends) > UNEVEN * min(ends)
 
 
 def _told(series: Series, x_label: str, percent: bool) -> str:

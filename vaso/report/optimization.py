@@ -65,7 +65,8 @@ def _head(result: OptimizationResult) -> Iterable[Markup]:
     yield el("div", word, el("span", by), cls="facts")
     if not result.verified:
         kept = "The best version so far is kept." if result.diff else "Nothing better was found."
-        yield el("p", f"{kept} The run stopped because {result.stop_reason}.", cls="banner")
+        style = "banner fail" if result.error else "banner"
+        yield el("p", f"{kept} The run stopped because {result.stop_reason}.", cls=style)
 
 
 def _costs(result: OptimizationResult) -> Markup:

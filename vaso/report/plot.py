@@ -72,6 +72,7 @@ def plot(
     limit: float | None = None,
     limit_label: str = "",
     whole: bool = False,
+    log: bool = False,
     width: float = WIDTH,
     height: float = HEIGHT,
 ) -> Markup:
@@ -89,6 +90,7 @@ def plot(
         limit: A dashed line at this value.
         limit_label: What stands at that line.
         whole: Only whole numbers on the x axis.
+        log: A logarithmic x axis, for values above 0.
         width: In pixels.
         height: In pixels, without the legend.
     """
@@ -101,6 +103,7 @@ def plot(
         names=(x_label, y_label),
         percent=percent,
         whole=whole,
+        log=log,
     )
     content = [*axes.markup, *_limit(limit, limit_label, axes)]
     opacity = 0.16 if len(series) <= FEW else 0.07
@@ -176,8 +179,18 @@ def _band(series: Series, axes: Axes, opacity: float) -> list[Markup]:
     low, high = ([b[side] for b in series.band] for side in (0, 1))
     there = _path(list(zip(xs, high, strict=True)), axes, series.stairs)
     back = _path(list(zip(xs, low, strict=True)), axes, series.stairs, reverse=True)
-    path = f"M{there} L{back} Z"
-    return [el("path", d=path, cls=f"band {_colour(series)}", fill_opacity=opacity)]
+    area = el("path", d=f"M{there} L{back} Z", cls=f"band {_colour(series)}", fill_opacity=opacity)
+    return [area, *_whisker(series, axes)]
+
+
+def _whisker(series: Series, axes: Axes) -> list[Markup]:
+    """The band at the end, where stairs have no width."""
+    x = axes.x(series.points[-1].x)
+    low, high = (axes.y(value) for value in series.band[-1])
+    if low == high:
+        return []
+    ends = " ".join(f"M{x - 4:g} {y:g} H{x + 4:g}" for y in (low, high))
+    return [el("path", d=f"M{x:g} {low:g} V{high:g} {ends}", cls=f"whisker {_colour(series)}")]
 
 
 def _path(
