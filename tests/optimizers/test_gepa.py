@@ -1,8 +1,10 @@
 import pytest
 from fakes import CASES, SKILL, FakeLoss, template
+from openai_server import Status
 from replies import GOOD, RECKLESS
 from rewrites import DRIVE, ONE_TASK, TWO_TASKS, fenced, optimize
 
+import vaso
 from vaso.optimizers import Parameters, get_optimizer
 from vaso.optimizers.base import Case, LossValue
 from vaso.optimizers.budget import Budget
@@ -101,6 +103,12 @@ def test_candidates_that_lost_stay_in_the_pool(server):
     assert dict(result.params)["plan_template"] == best
     shown = [p.split("```\n")[1].strip() for p in server.prompts]
     assert set(shown) == {SKILL.plan_template, best, other}
+
+
+def test_of_two_texts_one_that_was_answered_counts(server):
+    server.script = [Status(500, "busy"), fenced(GOOD)]
+    result = vaso.optimize(DRIVE, ONE_TASK, optimizer=Gepa(module_selector="all"), lm=server.lm())
+    assert result.verified and "busy" in result.steps[0].error and len(result.steps) == 2
 
 
 @pytest.mark.parametrize("selection", ["current_best", "epsilon_greedy", "top_k_pareto"])

@@ -8,7 +8,7 @@ from collections import Counter
 
 import dspy
 import pytest
-from openai_server import Hang, Status, prompt_of
+from openai_server import Hang, OpenAIServer, Status, prompt_of
 from replies import GOOD, RECKLESS, STOPS
 from rewrites import (
     BAD,
@@ -161,6 +161,22 @@ def test_what_the_user_shows_is_shown(server, optimizer, capfd):
     shown = capfd.readouterr().out.split()
     assert result.verified and shown[:2] == ["started", "drawing"] and shown[-1] == "finished"
     assert {"step", "proposed", "accepted"} <= set(shown) and shown.count("drawing") == 2
+
+
+def test_plans_are_written_by_the_planners_model(server, optimizer):
+    with OpenAIServer(default=marked(plan=GOOD)) as planning:
+        planning.script = [marked(plan=RECKLESS)]
+        start = DRIVE.with_parameters({"plan_template": RECKLESS})
+        result, model = optimize(
+            server,
+            optimizer,
+            fenced(GOOD),
+            skill=start,
+            planner=Planner(),
+            planner_lm=planning.lm(),
+        )
+    assert result.verified and len(model.asked["text"]) == 1
+    assert [kind(prompt) for prompt in planning.prompts] == ["plan", "plan"]
 
 
 def test_a_model_that_can_follow_a_grammar_is_told_which(server, optimizer):

@@ -8,9 +8,9 @@ whether it becomes the skill.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 from vaso.local.constrain import constrained
 from vaso.modules.asking import code_of, first_text
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from gepa.core.adapter import EvaluationBatch
     from gepa.proposer.reflective_mutation.reflection_lm import ReflectionProposal
 
+T = TypeVar("T")
 Texts = dict[str, str]
 Records = Mapping[str, Sequence[Mapping[str, Any]]]
 
@@ -154,18 +155,27 @@ class TextsAdapter:
         from gepa.proposer.reflective_mutation.reflection_lm import ReflectionProposal
 
         proposal = ReflectionProposal({})
-        try:
-            for name in components_to_update:
-                prompt = self._prompt(candidate, name, reflective_dataset[name])
-                lm = self._rewrites.rollout(self._session.lm)
-                reply = first_text(constrained(lm, self._session.best.skill, name)(prompt))
+        for name in components_to_update:
+            prompt = self._prompt(candidate, name, reflective_dataset[name])
+            reply = self._surviving(self._ask, prompt, name)
+            if reply is not None:
                 proposal.prompts[name], proposal.raw_lm_outputs[name] = prompt, reply
                 proposal.new_texts[name] = code_of(reply).strip("\n")
-            new = self._offer({**candidate, **proposal.new_texts}, ", ".join(proposal.new_texts))
-        except Exception as error:  # GEPA would ask again at once
-            self._session.failed(error)
-            new = False
+        texts = proposal.new_texts
+        new = bool(texts) and self._surviving(self._offer, {**candidate, **texts}, ", ".join(texts))
         return proposal if new else ReflectionProposal({}), self
+
+    def _surviving(self, work: Callable[..., T], *given: Any) -> T | None:
+        """What some work gives. An error costs a step, and gives nothing; GEPA would try again."""
+        try:
+            return work(*given)
+        except Exception as error:
+            self._session.failed(error)
+            return None
+
+    def _ask(self, prompt: str, name: str) -> str:
+        lm = self._rewrites.rollout(self._session.lm)
+        return first_text(constrained(lm, self._session.best.skill, name)(prompt))
 
     def _offer(self, candidate: Texts, names: str) -> bool:
         """Offer a candidate to the session; False if it has been offered before."""

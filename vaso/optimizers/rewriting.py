@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -37,17 +38,25 @@ class RewriteText(dspy.Signature):  # type: ignore[misc]
 
 
 class Rewrites:
-    """The rewrites of a run so far: what was turned down, and why. Copies are the same object."""
+    """The rewrites of a run so far: what was turned down, and why. Copies are the same object.
+
+    Attributes:
+        session: Where they are offered.
+        tried: The texts that were turned down, with the reasons.
+    """
 
     def __init__(self, session: Session) -> None:
         self.session = session
         self.tried: list[tuple[Mapping[str, str], str]] = []
+        self._context = contextvars.copy_context()
 
     def __deepcopy__(self, memo: Any) -> Rewrites:
         return self
 
     def offer(self, texts: Mapping[str, str], note: str) -> Outcome:
         """Offer a candidate to the session, and remember it if it is turned down.
+
+        Whatever settings an optimizer has made of dspy meanwhile, planners see those of the caller.
 
         Args:
             texts: All texts that may change, by name.
@@ -57,7 +66,7 @@ class Rewrites:
             EndOfRun: The run is over.
         """
         best = self.session.best
-        outcome = self.session.offer(texts, note)
+        outcome = self._context.copy().run(self.session.offer, texts, note)
         if not outcome.accepted:
             changed = best.changed(best.replace(texts))
             attempt = {n: texts[n] for n in changed}, outcome.reason
