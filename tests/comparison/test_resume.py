@@ -121,3 +121,14 @@ def test_a_disk_that_fills_up_does_not_end_the_comparison(tmp_path, monkeypatch)
     monkeypatch.setattr(folder.Folder, "write", full)
     found = compare("drive", optimizers=[Scripted([GOOD])], out=tmp_path, **options())
     assert found and "no space left" in found.problem and "no space left" in str(found)
+
+
+def test_what_an_earlier_comparison_left_is_not_gone_on_from(tmp_path):
+    """A run that was killed before it began has the folder of a run with another budget."""
+    clumsy = {"a": Scripted([CLUMSY]), "b": Scripted([CLUMSY])}
+    compare("drive", optimizers=clumsy, out=tmp_path, **options(budget=1))
+    stopped = {"a": Scripted(["interrupt"]), "b": Scripted([GOOD])}
+    compare("drive", optimizers=stopped, out=tmp_path, **options(budget=3))
+    good = {"a": Scripted([GOOD]), "b": Scripted([GOOD])}
+    found = compare("drive", optimizers=good, out=tmp_path, resume=True, **options(budget=3))
+    assert found and [row.steps for row in found.rows] == [1, 1]

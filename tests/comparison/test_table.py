@@ -30,7 +30,9 @@ def crowded(found):
         for seed in range(3)
     ]
     rows.append(Row(skill="drive", optimizer="gepa", seed=0, error="no answer " * 30, workers=2))
-    return found.model_copy(update={"rows": tuple(rows), "planned": 20})
+    return found.model_copy(
+        update={"rows": tuple(rows), "runs": tuple(("x", n) for n in range(20))}
+    )
 
 
 def test_the_table_says_what_matters(found):
@@ -90,6 +92,6 @@ def test_it_prints_itself(found, capsys):
 
 def test_it_is_true_only_if_all_is_verified(found):
     good = found.rows[:2]
-    assert found.model_copy(update={"rows": good, "planned": 2})
-    assert not found.model_copy(update={"rows": good, "planned": 3})
+    assert found.model_copy(update={"rows": good, "runs": found.runs[:2]})
+    assert not found.model_copy(update={"rows": good, "runs": found.runs[:3]})
     assert isinstance(found, Comparison) and not found

@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from vaso.comparison.result import Comparison
-from vaso.comparison.rows import Row
+from vaso.comparison.running import UNSEEN_JOURNAL
 from vaso.comparison.setup import Setup
 from vaso.errors import OptimizerError
+from vaso.optimizers.store import CHECKPOINT, JOURNAL
 
 JSON, CSV, SVG, REPORT = "comparison.json", "comparison.csv", "comparison.svg", "report.html"
 
@@ -27,8 +28,8 @@ class Folder:
         except OSError as error:
             raise self._unwritable(error) from error
 
-    def rows(self, setup: Setup) -> dict[tuple[str, int], Row]:
-        """The runs that are there already.
+    def found(self, setup: Setup) -> Comparison | None:
+        """The comparison that is there already, if there is one.
 
         Args:
             setup: What the comparison that goes on has in common.
@@ -38,7 +39,7 @@ class Folder:
             OptimizerError: The runs are of another comparison.
         """
         if not (self.path / JSON).is_file():
-            return {}
+            return None
         found = Comparison.read(self.path)
         if different := found.setup.differences(setup):
             raise OptimizerError(
@@ -48,7 +49,19 @@ class Folder:
                 "added",
                 hint="choose another folder, or do not resume",
             )
-        return {(row.optimizer, row.seed): row for row in found.rows}
+        return found
+
+    def forget(self, name: str) -> None:
+        """Make sure that a run does not go on from what an earlier comparison left in its folder.
+
+        Raises:
+            OptimizerError: It cannot be removed.
+        """
+        try:
+            for file in (CHECKPOINT, JOURNAL, UNSEEN_JOURNAL):
+                (self.path / name / file).unlink(missing_ok=True)
+        except OSError as error:
+            raise self._unwritable(error) from error
 
     def write(self, comparison: Comparison) -> None:
         """Write all files.

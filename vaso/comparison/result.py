@@ -31,7 +31,7 @@ class Comparison(BaseModel):
         setup: What all runs have in common.
         machine: On what it was measured.
         rows: The runs, by optimizer and seed.
-        planned: How many runs there were to be.
+        runs: Optimizer and seed of every run that there was to be.
         out: The folder with the files, if there is one.
         problem: Why its files could not be written at the end, or an empty string.
     """
@@ -40,13 +40,18 @@ class Comparison(BaseModel):
     setup: Setup
     machine: Machine = Machine()
     rows: tuple[Row, ...] = ()
-    planned: int = 0
+    runs: tuple[tuple[str, int], ...] = ()
     out: str | None = None
     problem: str = ""
 
     def __bool__(self) -> bool:
         """True only if all runs that were planned have every rule verified."""
         return self.complete and all(row.verified for row in self.rows)
+
+    @property
+    def planned(self) -> int:
+        """How many runs there were to be."""
+        return len(self.runs)
 
     @property
     def complete(self) -> bool:

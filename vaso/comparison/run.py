@@ -131,18 +131,23 @@ class _Comparing:
         listener: Callable[[RunEvent], None] | None,
     ) -> None:
         self._jobs, self._folder, self._listener = jobs, folder, listener
-        self._rows = folder.rows(jobs[0].setup) if folder and resume else {}
-        self._resumed = resume
+        found = folder.found(jobs[0].setup) if folder and resume else None
+        rows, self._known = ((), ()) if found is None else (found.rows, found.runs)
+        self._rows = {(row.optimizer, row.seed): row for row in rows}
         self._machine = this_machine()
         self._lock = threading.Lock()
         self._problem = ""
 
     def run(self, workers: int) -> Comparison:
         """Make the runs that are not finished yet."""
-        if self._folder:
-            self._folder.write(self._comparison())
         finished = {key for key, row in self._rows.items() if row.finished}
-        open_ = [replace(j, resume=self._resumed) for j in self._jobs if j.key not in finished]
+        open_ = [replace(job, resume=job.key in self._known) for job in self._jobs]
+        open_ = [job for job in open_ if job.key not in finished]
+        if self._folder:
+            for job in open_:
+                if job.folder and not job.resume:
+                    self._folder.forget(job.folder.name)
+            self._folder.write(self._comparison())
         self._done = len(self._jobs) - len(open_)
         rows = one_by_one(open_, self._tell) if workers == 1 else in_processes(open_, self._tell)
         with suppress(KeyboardInterrupt):
@@ -159,7 +164,7 @@ class _Comparing:
             setup=self._jobs[0].setup,
             machine=self._machine,
             rows=in_order(self._rows, labels),
-            planned=len({*self._rows, *(job.key for job in self._jobs)}),
+            runs=tuple(dict.fromkeys((*self._rows, *(job.key for job in self._jobs)))),
             out=str(self._folder.path) if self._folder else None,
             problem=self._problem,
         )
