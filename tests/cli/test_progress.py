@@ -114,6 +114,10 @@ def test_time_left_from_the_parts_after_the_first(clock):
         clock[0] += 10
         progress.update(done=6)
         assert progress.line() == "deciding · 60 s · about 10 s left"
+        clock[0] += 4
+        assert progress.line() == "deciding · 64 s · about 6 s left"
+        clock[0] += 40
+        assert progress.line() == "deciding · 2 min"
 
 
 def test_a_limit_bounds_the_time_left(clock):
@@ -133,12 +137,14 @@ def test_events_of_an_optimization(clock):
 
     with OptimizationProgress(10, console=Console(file=io.StringIO())) as progress:
         progress(event("started", 0, "repair on 1 tasks"))
-        assert progress.line() == "started repair on 1 tasks · 0 s"
+        assert progress.line() == "checking the rules · 0 s · repair on 1 tasks"
         for step in (3, 4, 5):  # resumed after two steps
             progress(event("proposed", step, "[bold]a new text[/bold]\nwith more"))
             clock[0] += 10
+        last = "proposed: [bold]a new text[/bold]"
+        assert progress.line() == f"step 5 of at most 10 · 30 s · up to 50 s left · {last}"
         progress(event("step", 6))
-        assert progress.line() == "step 6: step  · 30 s · up to 50 s left"
+        assert progress.line() == "step 6 of at most 10 · 30 s · up to 50 s left"
 
 
 def test_exploring_tells_how_many_states_there_are():

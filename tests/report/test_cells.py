@@ -60,7 +60,7 @@ def test_in_a_notebook(shown, kind):
     found = check(html)
     text = " ".join(found.text.split("}")[-1].split())  # after the styles
     assert not [w for w in words if w not in text]
-    assert not {"html", "head", "body", "script", "link", "meta", "title0"} & set(found.tags)
+    assert not {"html", "head", "body", "script", "link", "meta"} & set(found.tags)
     assert html.startswith("<style>") and '<div class="vaso vaso-cell">' in html
 
 

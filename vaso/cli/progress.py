@@ -58,10 +58,11 @@ class Progress:
             early: True where it may end before everything is done.
         """
         self._console = console or make_console(stderr=True)
-        self._text, self._limit = text, limit
+        self._text, self._detail, self._limit = text, "", limit
         self._delay = DELAY if delay is None else delay
         self._done, self._total = 0.0, 0.0
         self._first: tuple[float, float] | None = None
+        self._last: tuple[float, float] | None = None
         self._about = "up to" if early else "about"
         self._start = self._began = time.monotonic()
         self._spinner = Spinner("dots")
@@ -95,6 +96,7 @@ class Progress:
         self,
         text: str | None = None,
         *,
+        detail: str | None = None,
         done: float | None = None,
         total: float | None = None,
         limit: float | None = None,
@@ -103,17 +105,19 @@ class Progress:
 
         Args:
             text: What is being done.
+            detail: What happened last; cut off where the line is too short.
             done: How much of the total is done.
             total: How much there is to do, in parts that take about the same time.
             limit: Seconds from now after which this ends in any case.
         """
         self._text = self._text if text is None else text
+        self._detail = self._detail if detail is None else detail
         self._total = self._total if total is None else total
-        if done is not None:
+        if done is not None and done != self._done:
             self._done = done
             # The first part also takes what comes before it; the time is told from the ones after.
-            if self._first is None and done > 0:
-                self._first = time.monotonic(), done
+            self._last = time.monotonic(), done
+            self._first = self._first or self._last
         if limit is not None:
             self._began, self._limit = time.monotonic(), limit
 
@@ -132,13 +136,15 @@ class Progress:
     def line(self) -> str:
         """What the line says now."""
         elapsed = time.monotonic() - self._start
-        return " · ".join(p for p in (self._text, duration(elapsed), self._left()) if p)
+        parts = (self._text, duration(elapsed), self._left(), self._detail)
+        return " · ".join(p for p in parts if p)
 
     def _left(self) -> str:
         now = time.monotonic()
-        if self._total and self._first and self._done > self._first[1]:
-            pace = (now - self._first[0]) / (self._done - self._first[1])
-            return f"{self._about} {duration(pace * max(0.0, self._total - self._done))} left"
+        if self._total and self._first and self._last and self._last[1] > self._first[1]:
+            pace = (self._last[0] - self._first[0]) / (self._last[1] - self._first[1])
+            rest = pace * (self._total - self._done) - (now - self._last[0])
+            return f"{self._about} {duration(rest)} left" if rest > 0 else ""
         rest = 0.0 if self._limit is None else self._limit - (now - self._began)
         return f"at most {duration(rest)} left" if rest > 0 else ""
 
@@ -231,9 +237,13 @@ class OptimizationProgress(Progress):
     def __call__(self, event: Event) -> None:
         """Show an event."""
         message = (event.message.splitlines() or [""])[0]
-        step = f"step {event.step}: " if event.step else ""
-        self.update(f"{step}{event.kind} {message}")
-        if event.step and self._steps:
+        if not event.step:
+            self.update(detail=message)
+            return
+        limit = f" of at most {self._steps}" if self._steps else ""
+        detail = "" if event.kind == "step" else f"{event.kind}: {message}"
+        self.update(f"step {event.step}{limit}", detail=detail)
+        if self._steps:
             # A run that is resumed starts behind the steps of the run before it.
             self._before = event.step if self._before is None else self._before
             done, total = event.step - self._before, self._steps - self._before + 1
