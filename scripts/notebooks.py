@@ -38,6 +38,8 @@ NOWHERE = "http://127.0.0.1:9"
 DURATION = re.compile(r"\b\d+(?:\.\d+)?(?:e-\d+)? ?(?:ms|s|seconds)\b")
 COMPARED = ("text/plain", "text/html", "image/svg+xml", "text/markdown")
 STYLES = re.compile(r"<style>.*?</style>", re.S)
+TAGS = re.compile(r"<[^>]*>")
+COLOURS = re.compile(r"\x1b\[[0-9;]*m")
 DIFF_LINES = 30
 
 
@@ -125,7 +127,7 @@ def execute(notebook: Any, *, timeout: int = 300) -> tuple[Any, str]:
             with log.open("w", encoding="utf-8") as file:
                 client.execute(env=environment, cwd=str(work), stdout=file, stderr=file)
         except (CellExecutionError, CellTimeoutError) as error:
-            return fresh, str(error)
+            return fresh, COLOURS.sub("", str(error))
         except DeadKernelError as error:
             return fresh, f"{error}\n{log.read_text(encoding='utf-8', errors='replace')[-2000:]}"
     normalise(fresh)
@@ -243,34 +245,43 @@ def differences(committed: Any, executed: Any) -> Iterator[str]:
             yield "to refresh it: .venv/bin/python scripts/notebooks.py --update"
 
 
-def _is_equal(old: Any, new: Any) -> bool:
+def _is_equal(old: Any, new: Any, *, to_the_pixel: bool = False) -> bool:
     if VARIES in new.metadata.get("tags", []):
         return bool(old.get("outputs")) == bool(new.get("outputs"))
-    return _shown(old) == _shown(new)
+    return _shown(old, to_the_pixel) == _shown(new, to_the_pixel)
 
 
-def _shown(cell: Any) -> list[str]:
-    """The outputs of a cell as lines of text; durations, styles and pixels do not count."""
+def _shown(cell: Any, to_the_pixel: bool = False) -> list[str]:
+    """The outputs of a cell as lines of text, with durations left out.
+
+    Of pages and drawings it is what they say; how they look counts only ``to_the_pixel``.
+    """
     lines: list[str] = []
     for output in cell.get("outputs", []):
         if output.output_type == "stream":
             lines += [f"[{output.name}]", *_lines(output.text)]
-        else:
-            data = output.get("data", {})
-            lines += [f"[{', '.join(sorted(data))}]"]
-            lines += [line for kind in COMPARED if kind in data for line in _lines(data[kind])]
+            continue
+        data = output.get("data", {})
+        lines += [f"[{', '.join(sorted(data))}]"]
+        for kind in (k for k in COMPARED if k in data):
+            drawn = kind in ("text/html", "image/svg+xml") and not to_the_pixel
+            lines += _lines(_words(data[kind]) if drawn else data[kind])
     return lines
 
 
+def _words(markup: str) -> str:
+    return "\n".join(TAGS.sub("\n", STYLES.sub("", markup)).split())
+
+
 def _lines(text: str) -> list[str]:
-    return DURATION.sub("… s", STYLES.sub("", text)).splitlines()
+    return DURATION.sub("… s", text).splitlines()
 
 
 def keep_equal_outputs(committed: Any, executed: Any) -> None:
     """Leave outputs that say the same as they are, so that a diff shows what has changed."""
     for old, new in zip(committed.cells, executed.cells, strict=True):
-        if new.cell_type == "code" and old.get("outputs") and _is_equal(old, new):
-            new.outputs = old.outputs
+        if new.cell_type == "code" and _is_equal(old, new, to_the_pixel=True):
+            new.outputs = old.get("outputs", [])
 
 
 if __name__ == "__main__":
