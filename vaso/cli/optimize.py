@@ -78,7 +78,8 @@ def optimize(
 
     --steps and the options after it limit what may be spent; without a value there is no limit.
 
-    Exit code 0: the skill is verified on every task, 1: it is not (the best version is kept).
+    Exit code 0: the skill is verified on every task, 1: it is not, 3: a model did not answer. The
+    best version is kept.
     """
     from vaso.cli.progress import OptimizationProgress
     from vaso.optimizers import optimize as run
@@ -104,7 +105,13 @@ def optimize(
         emit(result.to_json())
     else:
         _show(result, out, report)
-    leave(ExitCode.HOLDS if result.verified else ExitCode.REFUTED)
+    leave(_exit_code(result))
+
+
+def _exit_code(result: OptimizationResult) -> ExitCode:
+    if result.verified:
+        return ExitCode.HOLDS
+    return ExitCode.UNKNOWN if result.error else ExitCode.REFUTED
 
 
 def _write_report(result: OptimizationResult, out: Path | None) -> Path | None:
