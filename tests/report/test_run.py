@@ -45,6 +45,8 @@ def test_how_each_rule_stood_at_the_start_and_after_each_step():
     found = chips(result)
     assert found[PEOPLE] == [("start", "✗"), ("1", "✓"), ("2", "✓")]
     assert found[LIVENESS] == [("start", "✗"), ("1", "✗"), ("2", "✓")]
+    text = check(step_cards(result)).text
+    assert f"Now kept:{PEOPLE}" in text and f"Now kept:{LIVENESS}" in text
 
 
 def test_a_rule_is_not_said_to_be_kept_where_a_task_has_no_verdict():
@@ -57,8 +59,13 @@ def test_a_local_rule_that_was_replaced():
     result = dataclasses.replace(
         optimization_result(), violated_before=(LIVENESS,), steps=steps((), texts=changed)
     )
-    found = chips(result)
-    assert found[LIVENESS] == [("start", "✗"), ("1", "–")]
+    assert chips(result)[LIVENESS] == [("start", "✗"), ("1", "–")]
+    assert "Now kept" not in step_cards(result)
+    final = result.initial.replace({"local_rule": "F forward"})
+    ended = dataclasses.replace(result, params=final, values={})
+    text = check(rule_history(ended)).text
+    assert f"– REPLACED{LIVENESS}" in text
+    assert "? UNKNOWNF forward" in text
 
 
 def test_of_many_steps_those_in_which_rules_change():

@@ -55,9 +55,11 @@ def rule_history(result: OptimizationResult) -> Markup:
     """A row a rule: its verdict at the end over all tasks, its reading, and how it stood before."""
     moments = _chosen(_moments(result))
     found = _verdicts(result.values)
-    rules = dict.fromkeys([r.text for r in result.skill.rules] + list(found))
-    rules |= dict.fromkeys(r.text for r in result.initial_skill.rules)
-    rows = [_row(rule, found.get(rule, []), moments, len(result.values)) for rule in rules]
+    now = dict.fromkeys([*(r.text for r in result.skill.rules), *found])
+    tasks = len(result.values)
+    rows = [_row(rule, found.get(rule, []), moments, tasks) for rule in now]
+    former = dict.fromkeys(r.text for r in result.initial_skill.rules if r.text not in now)
+    rows += [_former_row(rule, moments) for rule in former]
     return el("div", rows, cls="card rules") if rows else Markup()
 
 
@@ -95,26 +97,35 @@ def _verdicts(values: Mapping[Case, LossValue]) -> dict[str, list[SpecResult]]:
 
 
 def _row(rule: str, found: list[SpecResult], moments: list[Moment], tasks: int) -> Markup:
-    strip = el("div", [_chip(m.name, m.mark(rule)) for m in moments], cls="chips")
-    if not found:
-        word, text, told = badge("– NO LONGER A RULE"), rule_text(rule, ""), None
-    else:
-        word, text = verdict_badge(_worst(found, tasks)), _told(rule, found)
-        kept = sum(bool(s.verdict) for s in found)
-        told = el("div", f"{kept} of {count(tasks, 'task')}", cls="soft small")
-    end = el("div", strip, told if tasks > 1 else None, cls="end")
+    kept = f"{sum(bool(s.verdict) for s in found)} of {count(tasks, 'task')}"
+    told = el("div", kept, cls="soft small") if tasks > 1 else None
+    word, text = verdict_badge(_worst(found, tasks)), _told(rule, found)
+    end = el("div", _chips(rule, moments), told, cls="end")
     return el("div", el("div", word), el("div", text), end, cls="rule")
 
 
+def _former_row(rule: str, moments: list[Moment]) -> Markup:
+    """A row for a local rule that was replaced."""
+    word, end = badge("– REPLACED"), el("div", _chips(rule, moments), cls="end")
+    return el("div", el("div", word), el("div", rule_text(rule, "")), end, cls="rule")
+
+
 def _worst(found: list[SpecResult], tasks: int) -> Verdict:
-    worst = next(v for v in ORDER if v in {s.verdict for s in found})
-    return Verdict.UNKNOWN if worst is Verdict.PASS and len(found) < tasks else worst
+    """The worst verdict over the tasks; a task without one makes it unknown at best."""
+    verdicts = {s.verdict for s in found}
+    verdicts |= {Verdict.UNKNOWN} if len(found) < tasks or not found else set()
+    return next(v for v in ORDER if v in verdicts)
 
 
 def _told(rule: str, found: list[SpecResult]) -> Markup:
     """The rule, its reading, and what its verdicts rest on."""
     told = dict.fromkeys(remark for spec in found for remark in remarks(spec))
-    return join(rule_text(rule, found[0].english, found[0].role), [rule_remark(*r) for r in told])
+    english, role = (found[0].english, found[0].role) if found else ("", "")
+    return join(rule_text(rule, english, role), [rule_remark(*r) for r in told])
+
+
+def _chips(rule: str, moments: list[Moment]) -> Markup:
+    return el("div", [_chip(m.name, m.mark(rule)) for m in moments], cls="chips")
 
 
 def _chip(name: str, mark: str) -> Markup:

@@ -30,9 +30,16 @@ def step_cards(result: OptimizationResult) -> Markup:
     for step in result.steps:
         alone = step.diff == result.diff
         short = len(step.gradient.splitlines()) <= SHORT
-        cards.append(step_card(step, texts, safety, violated, unfolded=short, repeated=alone))
+        there = [rule for rule in violated if rule not in _replaced(texts, step)]
+        cards.append(step_card(step, texts, safety, there, unfolded=short, repeated=alone))
         texts, safety, violated = step.texts or texts, step.safety, step.violated
     return join(cards) or el("p", "No step was needed.", cls="soft")
+
+
+def _replaced(texts: Mapping[str, str], step: StepRecord) -> set[str]:
+    """Local rules that a step took away."""
+    before, after = (t.get("local_rule", "").splitlines() for t in (texts, step.texts or texts))
+    return {line.strip() for line in before} - {line.strip() for line in after}
 
 
 def step_card(
