@@ -1,7 +1,7 @@
 """``vaso optimize`` with a language model: real HTTP, real AdalFlow, the real verifier."""
 
 import pytest
-from openai_server import OpenAIServer, prompt_of
+from openai_server import OpenAIServer, Status, prompt_of
 
 from vaso.skill_file import load_skill, read_skills
 
@@ -62,3 +62,12 @@ def test_adalflow(vaso, tmp_path, monkeypatch, no_cache, reply, code, verdict):
         assert skill.plan_template.strip() == before.plan_template.strip()
     else:
         assert vaso("verify", tmp_path / "SKILL.md").code == 0
+
+
+def test_a_model_that_does_not_answer(vaso, monkeypatch, no_cache):
+    with OpenAIServer(default=Status(401, "this key is wrong")) as server:
+        monkeypatch.setenv("VASO_API_BASE", server.url)
+        found = vaso(
+            "optimize", "drive", "--optimizer", "loop", "--lm", "openai/x", "--tasks", TASK
+        )
+    assert found.code == 3 and "this key is wrong" in found.out + found.err
