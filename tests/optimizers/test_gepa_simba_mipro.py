@@ -99,7 +99,7 @@ def test_a_skill_that_only_stops_is_no_end(server, optimizer):
 
 
 def test_a_model_that_never_says_anything_new_ends_the_run(server, optimizer):
-    for reply in (NO_CODE, fenced(DRIVE.plan_template), fenced(RECKLESS)):
+    for reply in (NO_CODE, fenced(DRIVE.plan_template)):
         result, _ = optimize(server, optimizer, reply, budget=Budget(steps=9))
         assert not result.verified and result.skill == DRIVE and len(result.steps) <= 1
         assert "nothing new to propose" in result.stop_reason
@@ -137,8 +137,8 @@ def test_the_budgets_of_steps_and_loss_calls_are_kept(server, optimizer):
 
 
 def test_a_server_that_hangs_does_not_outlast_the_budget(server, optimizer):
-    result, _ = optimize(server, optimizer, Hang(30, "late"), budget=Budget(seconds=1.5))
-    assert "1.5 seconds" in result.stop_reason and result.spent.seconds < 8
+    result, _ = optimize(server, optimizer, Hang(30, "late"), budget=Budget(seconds=1))
+    assert "1 seconds" in result.stop_reason and result.spent.seconds < 8
 
 
 def test_leaves_the_process_as_it_was(server, optimizer):

@@ -47,7 +47,7 @@ def test_a_good_rewrite_becomes_a_demonstration(server):
     assert RECKLESS.strip() not in demo["content"], "it shows the better one"
 
 
-@pytest.mark.parametrize("advice", ["", "no marks", marked(discussion="x", module_advice="{")])
+@pytest.mark.parametrize("advice", ["", marked(discussion="x", module_advice="{")])
 def test_advice_that_cannot_be_read_is_none(server, advice, capfd):
     model = Model([*WEAK, fenced(GOOD)], raw_advice=advice)
     result, _ = optimize(server, Simba(max_demos=0), model=model, tasks=TWO_TASKS)
