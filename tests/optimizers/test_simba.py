@@ -66,7 +66,7 @@ def test_without_numpy(monkeypatch):
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda n, *a: None if n == "numpy" else found(n, *a)
     )
-    with pytest.raises(MissingDependencyError, match=r"numpy(.|\n)*--extra mipro"):
+    with pytest.raises(MissingDependencyError, match=r"numpy(.|\n)*--extra simba"):
         get_optimizer("simba")
 
 

@@ -34,7 +34,7 @@ class Simba:
 
     def __post_init__(self) -> None:
         if importlib.util.find_spec("numpy") is None:
-            raise MissingDependencyError("numpy", "mipro")
+            raise MissingDependencyError("numpy", "simba")
 
     def drive(self, session: Session) -> None:
         """Run SIMBA until the session ends."""
