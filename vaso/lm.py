@@ -28,7 +28,8 @@ def get_lm(model: Any = None, **options: Any) -> Any:
     Args:
         model: A ``dspy.LM`` (returned as it is), a name such as ``openai/gpt-4o-mini``, or None for
             the one named by the environment variable ``VASO_LM``, else the one that
-            ``dspy.configure(lm=…)`` set.
+            ``dspy.configure(lm=…)`` set. ``local:PATH`` runs a file in process; ``edits`` (or
+            ``edits:SEED``) is :class:`~vaso.modules.EditModel`, which is no language model.
         options: Passed to ``dspy.LM`` where a name is given (``temperature``, ``cache``, …).
 
     Raises:

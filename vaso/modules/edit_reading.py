@@ -34,6 +34,8 @@ COMPLAINT = re.compile(r"^.*?((?:violates|cannot be verified:|line \d+) .*)$", r
 REPAIR = re.compile(r"A verified repair: (.+)")
 STANDARD = frozenset(dir(builtins))
 MAX_COMPLAINTS = 6
+LONGEST = 500
+"""Characters of a line that may still be a formula."""
 
 
 class Reading:
@@ -153,7 +155,7 @@ def _after(line: str) -> list[str]:
 
 def _formula(text: str) -> Formula | None:
     """A temporal formula; prose, which the parser may take for one, is none."""
-    if not TEMPORAL.search(text) or not FORMULA.match(text):
+    if len(text) > LONGEST or not TEMPORAL.search(text) or not FORMULA.match(text):
         return None
     try:
         formula = parse(text)
