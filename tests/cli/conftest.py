@@ -56,4 +56,7 @@ def no_cache():
     """Every answer of a language model comes over HTTP."""
     import dspy
 
+    before = dspy.cache
     dspy.configure_cache(enable_disk_cache=False, enable_memory_cache=False)
+    yield
+    dspy.cache = before

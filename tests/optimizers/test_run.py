@@ -123,7 +123,7 @@ def test_the_result_prints(capsys):
     from rich.console import Console
 
     result = optimize("drive", TASK, optimizer=Fixed())
-    assert "verified on 1 tasks" in str(result) and "the fix" in result.summary()
+    assert "verified on 1 task " in str(result) and "the fix" in result.summary()
     Console().print(result)
     assert "the fix" in capsys.readouterr().out
     assert "<" in result._repr_html_() and "the fix" in result._repr_html_()

@@ -155,7 +155,8 @@ class OptimizationResult:
     def _headline(self) -> str:
         name, before, after = self.initial.origin.name, self.safety_before, self.safety
         if self.verified:
-            return f"{name}: verified on {len(self.values)} tasks (safety {before:.3f} -> 1.000)"
+            tasks = f"{len(self.values)} task{'' if len(self.values) == 1 else 's'}"
+            return f"{name}: verified on {tasks} (safety {before:.3f} -> 1.000)"
         kept = "the best version so far is kept" if self.diff else "nothing better was found"
         return f"{name}: NOT verified, {kept} (safety {before:.3f} -> {after:.3f})"
 
