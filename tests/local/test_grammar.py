@@ -199,6 +199,7 @@ HEAD = "distance_m = 3\nsteps_left = round(distance_m / 0.03)\nin_the_way = Fals
         ("forward()\nsteps_left = 0.5\n", False),
         ("forward()\nsteps_left = steps_left * steps_left\n", False),
         ("forward()\ndistance_m = distance_m + 0.5\n", True),
+        ("forward()\nsteps_left += steps_left\n", False),
         ("steps_left = 3\n", False),
     ],
 )

@@ -63,7 +63,7 @@ class Scope:
         sleep = gbnf.call("time.sleep", ["duration"])
         rules.add(self.send, gbnf.alt([*self._written(self.words.commands), sleep]))
         rules.add(self.rule("do"), gbnf.alt([self.send, *self._calls()]))
-        if options := [*self._updates(rules), *map(gbnf.text, self._own_assignments())]:
+        if options := [*self._updates(), *map(gbnf.text, self._own_assignments())]:
             rules.add(self.rule("set"), gbnf.alt(options))
 
     def rule(self, part: str) -> str:
@@ -133,16 +133,20 @@ class Scope:
         if checks:
             rules.add(self.rule("check"), gbnf.seq(gbnf.alt(checks), more))
 
-    def _updates(self, rules: gbnf.Rules) -> Iterator[str]:
-        """Assignments in which the variable keeps its kind, and which do not grow out of bounds."""
+    def _updates(self) -> Iterator[str]:
+        """Assignments in which a variable keeps its kind, and grows by the same amount at most."""
         for name in sorted(self.assignable):
-            if self.kinds[name] == "bool":
+            kind = self.kinds[name]
+            if kind == "bool":
                 yield gbnf.seq(gbnf.text(f"{name} = "), gbnf.texts(["True", "False"]))
-            elif self.kinds[name] in NUMBERS:
-                own = gbnf.maybe(gbnf.texts([f"{name} + ", f"{name} - "]))
-                sign = gbnf.alt([gbnf.seq(gbnf.text(" = "), own), gbnf.texts([" += ", " -= "])])
-                value = self.rule("value") if self.kinds[name] == "float" else self._whole()
-                yield gbnf.seq(gbnf.text(name), sign, value)
+            elif kind in NUMBERS:
+                value, step = self._whole(), "uint"
+                if kind == "float":
+                    value, step = self.rule("value"), "number"
+                new = gbnf.seq(gbnf.text(" = "), value)
+                signs = [f" = {name} + ", f" = {name} - ", " += ", " -= "]
+                changed = gbnf.seq(gbnf.texts(signs), step)
+                yield gbnf.seq(gbnf.text(name), gbnf.alt([new, changed]))
 
     def _whole(self) -> str:
         return gbnf.alt(["uint", *map(gbnf.text, self.names("int"))])
@@ -187,5 +191,5 @@ def _is_update(name: str, value: ast.expr) -> bool:
         case ast.Constant() | ast.Name():
             return True
         case ast.BinOp(left=ast.Name(id=left), op=ast.Add() | ast.Sub(), right=right):
-            return left == name and isinstance(right, (ast.Name, ast.Constant))
+            return left == name and isinstance(right, ast.Constant)
     return False
