@@ -109,8 +109,12 @@ def optimize(
 
 
 def _exit_code(result: OptimizationResult) -> ExitCode:
+    from vaso.optimizers.shared import INTERRUPTED
+
     if result.verified:
         return ExitCode.HOLDS
+    if result.stop_reason == INTERRUPTED:
+        return ExitCode.INTERRUPTED
     return ExitCode.UNKNOWN if result.error else ExitCode.REFUTED
 
 

@@ -122,7 +122,7 @@ class VerifierMetric:
         found = getattr(pred, self.field, None)
         if isinstance(found, Plan):
             return found if found.source.strip() else None
-        source = code_of(str(found or ""))
+        source = code_of(found) if isinstance(found, str) else ""
         return Plan(source=source) if source else None
 
 

@@ -57,8 +57,9 @@ def verify_tool(
     chosen = skill if isinstance(skill, Skill) else load_skill(skill)
     level = level_of(level)
 
-    def verify_plan(plan: str) -> str:
-        return _said(lambda: _verdict(chosen, Plan(source=code_of(plan)), level, verifier))
+    def verify_plan(plan: str | None = None) -> str:
+        source = code_of(plan or "")
+        return _said(lambda: _verdict(chosen, Plan(source=source), level, verifier))
 
     return _Tool(
         verify_plan,
@@ -107,8 +108,8 @@ def skill_tool(
         program = SkillProgram(skill, planner, attempts=attempts, level=level, verifier=verifier)
     chosen = program.skill
 
-    def run_skill(task: str = "", plan: str = "") -> str:
-        return _said(lambda: _run(program, task, plan, execute))
+    def run_skill(task: str | None = None, plan: str | None = None) -> str:
+        return _said(lambda: _run(program, task or "", plan or "", execute))
 
     return _Tool(
         run_skill,

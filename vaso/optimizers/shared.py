@@ -260,7 +260,7 @@ class Run:
             steps=tuple(self.history),
             spent=self.ledger.spent,
             stop_reason=reason,
-            error=self.error,
+            error=self.error or self._last_error(),
             out=str(self.store.folder) if self.store else None,
         )
         if self.journal is None:  # else a step that was cut off is made again from its answers
@@ -287,6 +287,11 @@ class Run:
         """The gradient of the first case that is not verified."""
         failing = next((v for v in self.values.values() if not v.verified), None)
         return str(failing.gradient) if failing else ""
+
+    def _last_error(self) -> str:
+        """What the last step failed with, if the run ends in it."""
+        unfinished = self.history and not self.standing.verified
+        return self.history[-1].error if unfinished and self.failures else ""
 
     def failed(self, error: Exception) -> str:
         """Count a failure; its message."""

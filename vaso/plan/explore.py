@@ -20,7 +20,8 @@ from vaso.plan.labelling import Labelling
 from vaso.plan.labels import Labeller
 from vaso.plan.machine import Machine
 from vaso.plan.model import Plan
-from vaso.plan.source import prepare
+from vaso.plan.shadowing import check_shadowing
+from vaso.plan.source import parse_python, prepare
 from vaso.plan.stepping import Stepper
 from vaso.plan.trajectory import Histories
 from vaso.plan.transition_system import Cut, Edge, Scalar, Sensor, State, TransitionSystem
@@ -106,6 +107,12 @@ class _Session:
             settings=draft.settings,
             acting=draft.acting | {c.name for c in robot.commands},
             trajectory=robot.trajectory is not None,
+        )
+        check_shadowing(
+            parse_python(plan.source, plan.name),
+            parse_python(skill.labelling_code, source),
+            constants=draft.constants,
+            name=plan.name,
         )
         self.labelling = Labelling(
             skill.labelling_code,

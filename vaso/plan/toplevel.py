@@ -71,7 +71,7 @@ class TopLevel:
         started = False
         shared = set(constants) - self._own_variables()
         for statement in self._body:
-            for line, name in _bindings(statement):
+            for line, name in bindings(statement):
                 if name in shared:
                     value = _setting(statement)
                     if started or name in found or value is None:
@@ -142,7 +142,7 @@ def _stored(statement: ast.stmt) -> dict[str, int]:
     return {n.id: n.lineno for n in names if isinstance(n.ctx, ast.Store)}
 
 
-def _bindings(statement: ast.stmt) -> Iterator[tuple[int, str]]:
+def bindings(statement: ast.stmt) -> Iterator[tuple[int, str]]:
     """The module's names that a statement binds, with lines (those of functions it defines too)."""
     yield from ((line, name) for name, line in _stored(statement).items())
     for node in _inner(statement):
