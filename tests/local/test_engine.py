@@ -46,9 +46,9 @@ def test_the_chat_template_is_the_model_s_own(lm):
 
 def test_a_model_is_loaded_once(model_path, monkeypatch):
     calls = []
-    load = runtime._load
-    monkeypatch.setattr(runtime, "_load", lambda *a: calls.append(a) or load(*a))
-    monkeypatch.setattr(runtime, "_servers", {})
+    model = runtime._Model
+    monkeypatch.setattr(runtime, "_Model", lambda *a: calls.append(a) or model(*a))
+    monkeypatch.setattr(runtime, "_models", {})
     lms = [get_lm(f"local:{model_path}", cache=False, max_tokens=1) for _ in range(3)]
     assert calls == []
     threads = [threading.Thread(target=lm, args=("x",)) for lm in lms]
@@ -90,7 +90,7 @@ def test_asynchronous_calls(lm):
 
 def test_copies_share_the_model(lm, monkeypatch):
     expected = lm("x", rollout_id=1)
-    monkeypatch.setattr(runtime, "_load", None)
+    monkeypatch.setattr(runtime, "_Model", None)
     for other in (lm.copy(), copy.copy(lm), copy.deepcopy(lm), pickle.loads(pickle.dumps(lm))):
         assert other("x", rollout_id=1) == expected
     assert copy.deepcopy(lm).engine is lm.engine
@@ -249,16 +249,20 @@ lm.with_grammar("root ::= [a-z] root")("x")
 """
 
 
-def test_control_c_ends_a_reply(model_path):
+@pytest.mark.parametrize("seconds", [0.01, 0.5], ids=["loading", "writing"])
+def test_control_c_ends_a_reply(model_path, seconds):
     command = [sys.executable, "-c", SCRIPT, str(model_path)]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
-    with subprocess.Popen(command, **pipes) as process:
+    process = subprocess.Popen(command, **pipes)
+    try:
         assert process.stdout.readline() == "ready\n"
-        time.sleep(0.5)
+        time.sleep(seconds)
         begun = time.monotonic()
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=30)
-    assert time.monotonic() - begun < 15
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert time.monotonic() - begun < 30
     assert err.rstrip().endswith("KeyboardInterrupt") and process.returncode == -signal.SIGINT
 
 

@@ -26,7 +26,7 @@ BATCH = 128
 EXIT_SECONDS = 10.0
 
 _lock = threading.Lock()
-_servers: dict[tuple[int, Path, int, int], Any] = {}
+_models: dict[tuple[int, Path, int, int], _Model] = {}
 _replies: weakref.WeakSet[Reply] = weakref.WeakSet()
 
 
@@ -42,33 +42,74 @@ def load(path: Path, *, n_ctx: int, threads: int) -> Any:
         ModelError: llama.cpp cannot load the file.
         MissingDependencyError: ``xllamacpp`` is not installed.
     """
+    xllamacpp = import_xllamacpp()
     key = (os.getpid(), path, n_ctx, threads)
     with _lock:
-        if key not in _servers:
-            _servers[key] = _load(path, n_ctx, threads)
-        return _servers[key]
+        model = _models.get(key)
+        if model is None or model.failed:
+            model = _models[key] = _Model(xllamacpp, path, n_ctx, threads)
+    return model.wait()
 
 
-def _load(path: Path, n_ctx: int, threads: int) -> Any:
-    xllamacpp = import_xllamacpp()
-    params = xllamacpp.CommonParams()
-    params.model.path = str(path)
-    params.n_ctx, params.n_parallel, params.n_batch = n_ctx, 1, BATCH
-    params.cpuparams.n_threads = params.cpuparams_batch.n_threads = threads
-    params.verbosity, params.warmup = SILENT, False
-    params.cache_ram_mib = 0
-    # The server also listens on a port of this machine; nobody else knows the key.
-    params.api_keys = [secrets.token_hex(32)]
-    params.ui = params.endpoint_slots = False
-    try:
-        return xllamacpp.Server(params)
-    except Exception as error:
+class _Model:
+    """A model that is being loaded, or is loaded.
+
+    It is loaded in a thread of its own and then asked for one token. Otherwise Ctrl-C could destroy
+    it before its main loop has begun, and llama.cpp would wait for the end of that loop for ever.
+    """
+
+    def __init__(self, xllamacpp: Any, path: Path, n_ctx: int, threads: int) -> None:
+        self._path = path
+        self._server: Any = None
+        self._error: Exception | None = None
+        arguments = (xllamacpp, _parameters(xllamacpp, path, n_ctx, threads))
+        self._thread = threading.Thread(target=self._load, args=arguments, daemon=True)
+        self._thread.start()
+
+    def _load(self, xllamacpp: Any, parameters: Any) -> None:
+        try:
+            self._server = xllamacpp.Server(parameters)
+            self._server.handle_completions({"prompt": "x", "n_predict": 0})
+        except Exception as error:
+            self._error = error
+
+    @property
+    def failed(self) -> bool:
+        """True once it turned out that it cannot be loaded."""
+        return self._error is not None
+
+    def wait(self) -> Any:
+        """The server, when it is loaded.
+
+        Raises:
+            ModelError: It cannot be loaded.
+        """
+        self._thread.join()
+        if self._error is None:
+            return self._server
         raise bad_model(
             "llama.cpp cannot load the model",
-            source=str(path),
+            source=str(self._path),
             hint="the file may be damaged, too large for this machine's memory, or of an "
             "architecture that this version of xllamacpp does not know",
-        ) from error
+        ) from self._error
+
+    def join(self, seconds: float) -> None:
+        """Wait until it is loaded, or is known not to be."""
+        self._thread.join(seconds)
+
+
+def _parameters(xllamacpp: Any, path: Path, n_ctx: int, threads: int) -> Any:
+    parameters = xllamacpp.CommonParams()
+    parameters.model.path = str(path)
+    parameters.n_ctx, parameters.n_parallel, parameters.n_batch = n_ctx, 1, BATCH
+    parameters.cpuparams.n_threads = parameters.cpuparams_batch.n_threads = threads
+    parameters.verbosity, parameters.warmup = SILENT, False
+    parameters.cache_ram_mib = 0
+    # The server also listens on a port of this machine; nobody else knows the key.
+    parameters.api_keys = [secrets.token_hex(32)]
+    parameters.ui = parameters.endpoint_slots = False
+    return parameters
 
 
 def import_xllamacpp() -> Any:
@@ -149,9 +190,10 @@ def _unload() -> None:
     replies = list(_replies)
     for reply in replies:
         reply.cancel()
-    for reply in replies:
-        reply.join(EXIT_SECONDS)
-    _servers.clear()
+    own = [model for key, model in _models.items() if key[0] == os.getpid()]
+    for waiting in (*own, *replies):
+        waiting.join(EXIT_SECONDS)
+    _models.clear()
 
 
 atexit.register(_unload)
