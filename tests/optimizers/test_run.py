@@ -175,3 +175,41 @@ def test_an_optimizer_whose_package_is_missing(monkeypatch, missing):
     with pytest.raises(MissingDependencyError) as caught:
         optimize("drive", TASK, optimizer="adalflow", lm="openai/x")
     assert missing in str(caught.value) and "uv sync --extra adalflow" in str(caught.value)
+
+
+@pytest.mark.parametrize("rule", ["F(speed >= 0)", "F stop", "G(speed < 9)"])
+def test_a_local_rule_that_a_resting_robot_keeps_is_refused(rule):
+    class Cheat:
+        name, needs_lm, deterministic = "cheat", False, True
+
+        def propose(self, state):
+            yield Proposal({"local_rule": rule})
+
+    start = load_skill("drive", version="initial")
+    trainable = ["local_rule", "labelling_code", "plan_template"]
+    result = optimize(start, ["Move forward for 1 meters."], optimizer=Cheat(), trainable=trainable)
+    assert not result.verified and result.skill.local_rules == start.local_rules
+    assert "rests" in result.steps[0].tried[0].reason or "says nothing" in str(
+        result.steps[0].tried
+    )
+
+
+def test_one_run_at_a_time_in_a_folder(tmp_path):
+    class Nested:
+        name, needs_lm, deterministic = "nested", False, True
+
+        def propose(self, state):
+            optimize("drive", ["Move forward for 1 meters."], out=tmp_path)
+            yield from ()
+
+    result = optimize("drive", ["Move forward for 1 meters."], optimizer=Nested(), out=tmp_path)
+    assert "another run is under way" in result.steps[0].error
+    assert optimize("drive", ["Move forward for 1 meters."], out=tmp_path).verified
+
+
+def test_a_run_is_resumed_with_its_own_seed(tmp_path):
+    from vaso.errors import OptimizerError
+
+    optimize("drive", ["Move forward for 1 meters."], out=tmp_path, seed=1)
+    with pytest.raises(OptimizerError, match="seed 1"):
+        optimize("drive", ["Move forward for 1 meters."], out=tmp_path, seed=2, resume=True)

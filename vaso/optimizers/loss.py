@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from vaso.feasibility import FeasibilityResult, check, satisfiable
 from vaso.gradient import find_repair, textual_gradient
 from vaso.gradient.model import Edit, Level, TextualGradient
 from vaso.lm import explain
-from vaso.ltl import Unary
+from vaso.ltl import Unary, parse, propositions, variables
 from vaso.modules.symbolic import SymbolicPlanner
 from vaso.optimizers.alignment import misaligned
 from vaso.optimizers.base import Case, LossValue
@@ -22,7 +22,7 @@ from vaso.optimizers.parameters import Parameters, digest
 from vaso.plan import Budget, compile_plan
 from vaso.plan.model import Plan
 from vaso.plan.transition_system import TransitionSystem
-from vaso.platforms import get_platform
+from vaso.platforms import Platform, get_platform
 from vaso.skill import Skill
 from vaso.verdict import VerificationResult
 from vaso.verification import verify
@@ -135,7 +135,19 @@ class SkillLoss:
             others = [r.formula for r in (*skill.global_rules, *skill.assumptions)]
             if satisfiable([*others, Unary("!", rule.formula)]).sat is False:
                 return f"{rule} says nothing that the global rules do not say"
+        if self._moves(before) and not self._moves(skill):
+            return "a robot that always rests keeps the local rule; the rule before asked for more"
         return ""
+
+    def _moves(self, skill: Skill) -> bool:
+        """True where a robot that rests for ever can violate a local rule."""
+        others = [r.formula for r in (*skill.global_rules, *skill.assumptions)]
+        rules = [r.formula for r in skill.local_rules]
+        names = {n for f in (*others, *rules) for n in (*propositions(f), *variables(f))}
+        rest = [parse(f"G ({fact})") for name, fact in _at_rest(self.platform) if name in names]
+        return any(
+            satisfiable([*others, *rest, Unary("!", rule)]).sat is not False for rule in rules
+        )
 
     def _plan(self, params: Parameters, case: Case) -> Plan:
         key = digest([params.key, case.task])
@@ -242,6 +254,16 @@ class SkillLoss:
             )
 
         return self._repairs.get(digest([params.key, case.task]), search)
+
+
+def _at_rest(platform: Platform) -> Iterator[tuple[str, str]]:
+    """What is true of a robot at rest: the propositions and a formula for each."""
+    dynamics = platform.dynamics
+    for name, value in dynamics.truth(dynamics.initial()).items():
+        if isinstance(value, bool):
+            yield name, name if value else f"!{name}"
+        else:
+            yield name, f"{name} = {value!r}"
 
 
 def _key(skill: Skill, plan: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -86,16 +86,19 @@ def optimize(
         chosen = with_candidates(chosen, candidates)
     ledger = Ledger(Budget.of(budget))
     store = RunStore(out, resume=resume) if out is not None else None
-    journal = store.journal() if store else None
-    asking = planner_lm is None and _is_dspy_module(planner)
-    needed = lm is not None or chosen.needs_lm or asking
-    model = metered(get_lm(lm), ledger, journal) if needed else None
-    drawing = model if planner_lm is None else metered(get_lm(planner_lm), ledger, journal)
-    feasible = check(start).feasible
-    params = Parameters(start, trainable=trainable or _trainable(feasible))
-    loss = SkillLoss(start, planner or _symbolic(), level=level)
-    common: dict[str, Any] = {"lm": model, "seed": seed, "on_event": on_event, "store": store}
-    with _using(drawing):
+    with ExitStack() as stack:
+        if store:
+            stack.enter_context(store.locked())
+        journal = store.journal() if store else None
+        asking = planner_lm is None and _is_dspy_module(planner)
+        needed = lm is not None or chosen.needs_lm or asking
+        model = metered(get_lm(lm), ledger, journal) if needed else None
+        drawing = model if planner_lm is None else metered(get_lm(planner_lm), ledger, journal)
+        feasible = check(start).feasible
+        params = Parameters(start, trainable=trainable or _trainable(feasible))
+        loss = SkillLoss(start, planner or _symbolic(), level=level)
+        common: dict[str, Any] = {"lm": model, "seed": seed, "on_event": on_event, "store": store}
+        stack.enter_context(_using(drawing))
         if isinstance(chosen, LoopOptimizer | DrivenOptimizer):
             return chosen.optimize(params, loss, cases, ledger=ledger, journal=journal, **common)
         return chosen.optimize(params, loss, cases, budget=ledger.budget, **common)

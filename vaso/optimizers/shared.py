@@ -77,7 +77,8 @@ class Run:
         """The checkpoint to go on from, if there is one."""
         if self.store is None:
             return None
-        return self.store.load(self.name, fingerprint(self.initial, self.cases))
+        start = fingerprint(self.initial, self.cases)
+        return self.store.load(self.name, start, self.seed)
 
     def restore(self, found: Checkpoint) -> None:
         """Take up the state of a checkpoint."""

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from vaso.skill import Skill
 
 CHECKPOINT, EVENTS, SKILL, RESULT = "checkpoint.json", "events.jsonl", "SKILL.md", "result.json"
 JOURNAL = "answers.jsonl"
+LOCK = ".lock"
 
 
 class Checkpoint(BaseModel):
@@ -84,6 +86,29 @@ class RunStore:
                 f"the output folder cannot be written: {error}", source=str(out)
             ) from error
 
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other runs out of the folder, as long as this one goes on.
+
+        Raises:
+            OptimizerError: Another run is under way in it.
+        """
+        try:
+            import fcntl
+        except ImportError:  # not on this system: the user has to see to it
+            yield
+            return
+        with (self.folder / LOCK).open("w") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                raise OptimizerError(
+                    "another run is under way in the output folder",
+                    source=str(self.folder),
+                    hint="choose another folder, or wait until that run has ended",
+                ) from error
+            yield
+
     def journal(self) -> Journal:
         """The journal of the models' answers.
 
@@ -92,12 +117,13 @@ class RunStore:
         """
         return Journal(self.folder / JOURNAL, resume=self.resume)
 
-    def load(self, optimizer: str, expected: str) -> Checkpoint | None:
+    def load(self, optimizer: str, expected: str, seed: int = 0) -> Checkpoint | None:
         """The checkpoint to go on from, or None to start afresh.
 
         Args:
             optimizer: Name of the optimizer that goes on.
             expected: Fingerprint of its starting point.
+            seed: Its seed.
 
         Raises:
             OptimizerError: The checkpoint is damaged, or of another run.
@@ -118,6 +144,13 @@ class RunStore:
                 f"the checkpoint is of another run (optimizer {found.optimizer})",
                 source=str(path),
                 expected="the same optimizer, skill, tasks and trainable texts as when it started",
+                hint="choose another output folder, or leave out --resume to start again",
+            )
+        if found.seed != seed:
+            raise OptimizerError(
+                f"the checkpoint is of a run with seed {found.seed}",
+                source=str(path),
+                expected=f"the same seed, not {seed}",
                 hint="choose another output folder, or leave out --resume to start again",
             )
         return found
