@@ -326,3 +326,19 @@ def test_its_skills_can_be_compiled():
     assert set(compiled.detailed_results.results) == {"programs[go]", "programs[wait]"}
     assert compiled(instruction="wait, then drive ahead").verified
     assert not router(instruction="drive ahead").verified
+
+
+@pytest.mark.parametrize(
+    ("instruction", "steps"),
+    [
+        (None, None),
+        (5, None),
+        ("go", ["go"]),
+        ("go", [("go",)]),
+        ("go", [{"skill": "go", "task": "ahead"}]),
+        ("go", [("go", None)]),
+    ],
+)
+def test_what_is_no_instruction_and_what_are_no_steps(router, instruction, steps):
+    with pytest.raises(SkillError, match=r"is no (instruction|step)"):
+        router(instruction=instruction, steps=steps)

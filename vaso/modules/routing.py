@@ -199,8 +199,10 @@ class SkillRouter(dspy.Module):  # type: ignore[misc]
         self, instruction: str, steps: Sequence[tuple[str, str]] | None
     ) -> Generator[Call, Any, dspy.Prediction]:
         """Everything but the calls of modules, which it yields, and whose answers it is sent."""
+        if not isinstance(instruction, str):
+            raise SkillError(f"{instruction!r} is no instruction", expected="a text")
         if steps is not None:
-            chosen = [(str(skill), str(task)) for skill, task in steps]
+            chosen = [_step(step) for step in steps]
             if problem := self._problem(chosen):
                 raise SkillError(problem, expected=f"one of {', '.join(self.programs)}")
         elif self.routing == "words":
@@ -263,6 +265,14 @@ class SkillRouter(dspy.Module):  # type: ignore[misc]
     def _fixed(self, part: Part) -> bool:
         """True where planning again would give the same plan."""
         return isinstance(self.programs[part.skill.name].planner, SymbolicPlanner)
+
+
+def _step(step: Any) -> tuple[str, str]:
+    pair = isinstance(step, (tuple, list)) and len(step) == 2
+    if not pair or not all(isinstance(part, str) for part in step):
+        raise SkillError(f"{step!r} is no step", expected="a pair of a skill's name and a task")
+    skill, task = step
+    return skill, task
 
 
 def _advance(work: Generator[Call, Any, Any], reply: Any) -> tuple[Any, Call | None]:
