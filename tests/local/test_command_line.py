@@ -30,11 +30,11 @@ def run(tmp_path, *arguments):
 def test_optimize(tmp_path, model_path, name):
     """To the end; evaluating what a random model drives takes a while, what it flies does not."""
     out = tmp_path / "run"
-    options = ["--optimizer", "loop", "--lm", f"local:{model_path}", "--steps", "1", "--out", out]
-    done = run(tmp_path, "optimize", name, "--tasks", "Move for 2 meters.", *options)
+    options = ["--optimizer", "loop", "--lm", f"local:{model_path}", "--lm-calls", "1"]
+    done = run(tmp_path, "optimize", name, "--tasks", "Move 2 meters.", *options, "--out", out)
     assert done.returncode in (0, 1) and "VERIFIED" in done.stdout
     assert done.stderr == ""
-    assert "3 model calls" in done.stdout or done.returncode == 0
+    assert "1 model call" in done.stdout
     (skill,) = read_skills(out / "SKILL.md")
     assert skill.global_rules == load_skill(name).global_rules
     assert list((tmp_path / "home").iterdir()) == []

@@ -100,7 +100,7 @@ def test_the_verified_template_follows_the_grammar_of_the_faulty_one_where_setti
 
 @pytest.mark.parametrize(("name", "version"), SKILLS)
 def test_random_plans_compile(name, version):
-    check_samples(load_skill(name, version=version), 40, compiled=2)
+    check_samples(load_skill(name, version=version), 100 if name == "drive" else 20, compiled=1)
 
 
 def test_grammars_are_small():
@@ -119,8 +119,8 @@ def sampled(model_path, skill, count):
 
 def test_plans_that_a_model_writes_compile(model_path):
     skill = load_skill("drive", version="initial")
-    plans = list(sampled(model_path, skill, 10))
-    assert len(set(plans)) > 5
+    plans = list(sampled(model_path, skill, 6))
+    assert len(set(plans)) > 3
     for plan in plans:
         assert grammar("drive").matches(plan)
         check_plan(plan, skill)
@@ -214,6 +214,13 @@ def test_a_setting_of_the_labelling_code_is_made_once():
     assert not found.matches('TARGET = "bottle"\nstop()\nTARGET = "chair"\n')
 
 
+def test_a_setting_that_a_template_makes_twice_or_computes():
+    skill = load_skill("find-object")
+    for lines in ('TARGET = "a"\nTARGET = "b"\n', "n = 2\nTARGET = n\n"):
+        changed = skill.with_parameters({"plan_template": f"{lines}stop()\n"})
+        check_samples(changed, 10, compiled=1)
+
+
 # -- other skills ----------------------------------------------------------------------------------
 
 
@@ -226,14 +233,14 @@ def test_calls_have_the_arguments_they_need():
         assert not accepts(skill, f"{wrong}\n")
     assert not accepts(skill, "if sees():\n    stop()\n")
     assert not accepts(skill, "if total() > 1:\n    stop()\n")
-    check_samples(skill, 40)
+    check_samples(skill, 15)
 
 
 def test_low_level_calls_where_the_labelling_code_has_none():
     skill = own(labelling="LIMIT = 0.5\n")
     plan = 'if yolo_listener("people"):\n    velocity_publisher(linear=0, angular=0.5)\n'
     assert accepts(skill, plan)
-    check_samples(skill, 30)
+    check_samples(skill, 15)
 
 
 @pytest.mark.parametrize(
@@ -272,7 +279,7 @@ def test_low_level_calls_where_the_labelling_code_has_none():
     ],
 )
 def test_random_plans_compile_whatever_the_template_is(template):
-    check_samples(own(template), 20)
+    check_samples(own(template), 10, compiled=1)
 
 
 @pytest.mark.parametrize(
@@ -314,7 +321,7 @@ SQUARE = load_skill("fly-in-square-shape-traj").labelling_code
     ],
 )
 def test_random_flights_compile_whatever_the_template_is(template):
-    check_samples(own(template, labelling=SQUARE, platform="px4"), 25)
+    check_samples(own(template, labelling=SQUARE, platform="px4"), 10, compiled=1)
 
 
 def test_flights_without_a_template():

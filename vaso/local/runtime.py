@@ -191,8 +191,10 @@ def _unload() -> None:
     for reply in replies:
         reply.cancel()
     own = [model for key, model in _models.items() if key[0] == os.getpid()]
-    for waiting in (*own, *replies):
-        waiting.join(EXIT_SECONDS)
+    for model in own:
+        model.join(EXIT_SECONDS)
+    for reply in replies:
+        reply.join(EXIT_SECONDS)
     _models.clear()
 
 

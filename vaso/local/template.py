@@ -136,7 +136,9 @@ class _Reader:
         pairs = [] if node.value is None else list(_pairs(node))
         kinds = {name: kind_of(value, known, self._words.returns) for name, value in pairs}
         literal = node.value is not None and is_literal(node.value)
-        if not kinds or None in kinds.values() or (set(kinds) & fixed and not literal):
+        if not kinds or None in kinds.values():
+            return None
+        if set(kinds) & fixed and (not literal or set(kinds) & fixed & set(known)):
             return None
         if any(n in known and joined((known[n], k)) != known[n] for n, k in kinds.items()):
             return None
