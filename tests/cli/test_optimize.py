@@ -87,3 +87,10 @@ def test_a_model_for_plans_alone(vaso):
     found = vaso("optimize", "drive", *arguments)
     assert found.code == 0 and found.json["spent"]["lm_calls"] > 0
     assert vaso("optimize", "drive", *arguments, "--planner", "template").code == 2
+
+
+def test_candidates_at_the_same_time(vaso):
+    arguments = ["optimize", "drive", "--tasks", TASK, "--lm", "edits", "--candidates", "3"]
+    found = vaso(*arguments, "--optimizer", "loop", "--level", "repair", "--json")
+    assert found.code == 0 and found.json["spent"]["lm_calls"] == 3
+    assert vaso(*arguments, "--optimizer", "repair").code == 2

@@ -63,6 +63,10 @@ def optimize(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the run in --out.")] = False,
     seed: Annotated[int, typer.Option(help="Seed of everything random.")] = 0,
+    candidates: Annotated[
+        int | None,
+        typer.Option(min=1, help="Candidates that loop asks for and judges at the same time."),
+    ] = None,
     steps: StepsOption = 10,
     loss_calls: LossCallsOption = None,
     lm_calls: LmCallsOption = None,
@@ -97,6 +101,7 @@ def optimize(
             out=out,
             resume=resume,
             budget=make_budget(steps, loss_calls, lm_calls, tokens, cost, seconds),
+            candidates=candidates,
             seed=seed,
             on_event=progress,
         )
