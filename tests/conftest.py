@@ -1,14 +1,8 @@
 """What no test may leave behind for the next one."""
 
-import os
-import tempfile
-
 import pytest
 
 from vaso.optimizers import registry
-
-# dspy makes its cache when it is imported, in the user's home unless it is told otherwise
-os.environ.setdefault("DSPY_CACHEDIR", os.path.join(tempfile.gettempdir(), "vaso-tests-dspy"))
 
 
 @pytest.fixture(autouse=True)
