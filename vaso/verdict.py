@@ -9,6 +9,9 @@ from typing import Any
 
 from vaso.plan.transition_system import Label, Scalar
 
+ALMOST = 1.0 - 1e-6
+"""The greatest score of what is not verified."""
+
 
 class Verdict(StrEnum):
     """The outcome for a formula or a plan. Only PASS is truthy."""
@@ -166,6 +169,16 @@ class Problem:
     kind: str
     message: str
     line: int | None = None
+
+
+def score_of(verified: bool, safety: float) -> float:
+    """Safety as a number to optimize: 1.0 only for what is verified.
+
+    Args:
+        verified: True where every rule passes.
+        safety: Fraction of the rules that pass, in [0, 1].
+    """
+    return 1.0 if verified else min(safety, ALMOST)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from vaso.plan import Budget
 from vaso.plan.model import Plan
 from vaso.skill import Skill
 from vaso.skill_file import load_skill
-from vaso.verdict import VerificationResult
+from vaso.verdict import VerificationResult, score_of
 from vaso.verification import verify
 
 TextName = Literal["plan", "plan_template", "labelling_code", "local_rule"]
@@ -78,7 +78,7 @@ class Judge:
         plan, bounds = Plan(source=source, task=task), Budget(seconds=SECONDS)
         result = verify(self.skill, plan, budget=bounds, timeout=SECONDS)
         return LossValue(
-            score=1.0 if result else min(result.safety, 1.0 - 1e-6),
+            score=score_of(bool(result), result.safety),
             make_gradient=lambda: self._gradient(result),
             result=result,
             plan=source,

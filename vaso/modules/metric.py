@@ -17,10 +17,9 @@ from vaso.modules.verdicts import verdicts
 from vaso.plan.model import Plan
 from vaso.skill import Skill
 from vaso.skill_file import load_skill
+from vaso.verdict import score_of
 from vaso.verifiers import Verifier
 
-ALMOST = 1.0 - 1e-6
-"""The greatest score of a plan that is not verified."""
 NO_PLAN = "There is no plan: the output field '{field}' is missing or empty."
 
 
@@ -109,14 +108,14 @@ class VerifierMetric:
     def _judged(self, pred: Any) -> tuple[float, str]:
         composition = getattr(pred, "composition", None)
         if self.skill is None and isinstance(composition, Composition):
-            return _score(bool(composition), composition.safety), composition.feedback
+            return score_of(bool(composition), composition.safety), composition.feedback
         plan = self._plan(pred)
         if plan is None:
             return 0.0, NO_PLAN.format(field=self.field)
         skill = self.skill or _skill_of(pred)
         result = verdicts.result(skill, plan, self.verifier)
         feedback = verdicts.feedback(skill, plan, self.level, self.verifier)
-        return _score(bool(result), result.safety), feedback
+        return score_of(bool(result), result.safety), feedback
 
     def _plan(self, pred: Any) -> Plan | None:
         found = getattr(pred, self.field, None)
@@ -124,10 +123,6 @@ class VerifierMetric:
             return found if found.source.strip() else None
         source = code_of(found) if isinstance(found, str) else ""
         return Plan(source=source) if source else None
-
-
-def _score(verified: bool, safety: float) -> float:
-    return 1.0 if verified else min(safety, ALMOST)
 
 
 def _skill_of(pred: Any) -> Skill:

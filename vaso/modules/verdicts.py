@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import threading
 from collections import OrderedDict
 from collections.abc import Hashable
@@ -13,6 +12,7 @@ from typing import Any
 from vaso.errors import VasoError
 from vaso.gradient import find_repair, textual_gradient
 from vaso.gradient.model import Edit, Level
+from vaso.optimizers.parameters import digest
 from vaso.plan import compile_plan
 from vaso.plan.model import Plan
 from vaso.platforms import Platform
@@ -110,7 +110,7 @@ class Verdicts:
             self._entries.clear()
 
     def _judged(self, skill: Skill, plan: Plan, verifier: Any) -> tuple[_Entry, VerificationResult]:
-        entry = self._entry((_digest(skill, plan), verifier))
+        entry = self._entry((_key(skill, plan), verifier))
         with entry.lock:
             result = entry.result
             if result is None:
@@ -139,12 +139,9 @@ class Verdicts:
                         entry.result = replace(entry.result, system=None)
 
 
-def _digest(skill: Skill, plan: Plan) -> str:
+def _key(skill: Skill, plan: Plan) -> str:
     rules = [f"{r.role}:{r.text}" for r in (*skill.rules, *skill.assumptions)]
-    digest = hashlib.sha256()
-    for text in (_platform(skill), *rules, skill.labelling_code, plan.source):
-        digest.update(text.encode("utf-8", "surrogatepass") + b"\0")
-    return digest.hexdigest()
+    return digest([_platform(skill), *rules, skill.labelling_code, plan.source])
 
 
 def _platform(skill: Skill) -> str:

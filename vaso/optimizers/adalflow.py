@@ -62,8 +62,7 @@ class AutoDiff:
             for _ in range(self.max_proposals):
                 proposal = step.propose()
                 yield proposal
-                for name in proposal.texts if len(proposal.texts) > 1 else ():
-                    yield Proposal({name: proposal.texts[name]}, f"{proposal.note} ({name} alone)")
+                yield from proposal.alone()
                 step.revert()
 
     def _sample(self, state: State) -> list[tuple[Case, LossValue]]:

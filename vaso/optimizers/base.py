@@ -123,6 +123,11 @@ class Proposal:
     rejected: str = ""
     score: float | None = None
 
+    def alone(self) -> Iterator[Proposal]:
+        """Each change as a candidate of its own; none where there is but one. Asks no model."""
+        for name in self.texts if len(self.texts) > 1 else ():
+            yield Proposal({name: self.texts[name]}, f"{self.note} ({name} alone)")
+
 
 @dataclass(frozen=True)
 class State:

@@ -24,7 +24,7 @@ from vaso.plan.model import Plan
 from vaso.plan.transition_system import TransitionSystem
 from vaso.platforms import Platform, get_platform
 from vaso.skill import Skill
-from vaso.verdict import VerificationResult
+from vaso.verdict import VerificationResult, score_of
 from vaso.verification import verify
 
 Planner = Callable[[Skill, str], Any]
@@ -223,7 +223,7 @@ class SkillLoss:
         kept, lost = completion(reference, judged.purpose)
         result = judged.result
         return LossValue(
-            score=1.0 if result else min(result.safety, 1.0 - 1e-6),
+            score=score_of(bool(result), result.safety),
             make_gradient=lambda: self._gradient(result, params, case),
             feedback=_feedback(result),
             result=result,

@@ -112,12 +112,6 @@ class Session:
         """True once the run is over: everything is verified, or the budget is spent."""
         return bool(self._reason)
 
-    @property
-    def steps_left(self) -> int | None:
-        """Steps that the budget leaves; None without a limit."""
-        limit = self._run.ledger.budget.steps
-        return None if limit is None else max(0, limit - self._run.ledger.spent.steps)
-
     def evaluate(self, texts: Texts, case: Case) -> LossValue:
         """The loss of a candidate on a case, from the memo where it is known.
 

@@ -72,8 +72,7 @@ class TextGrad:
         with quiet("textgrad"):
             proposal = _step(state, batch)
         yield proposal
-        for name in proposal.texts if len(proposal.texts) > 1 else ():
-            yield Proposal({name: proposal.texts[name]}, f"{proposal.note} ({name} alone)")
+        yield from proposal.alone()
 
 
 def _step(state: State, batch: list[Case]) -> Proposal:
