@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Any
 
 from vaso.lm import explain
-from vaso.optimizers.base import Case, Loss, OnEvent, Proposal, Proposer, State
-from vaso.optimizers.budget import Budget, BudgetExhausted, EndOfRun, Ledger
-from vaso.optimizers.journal import Journal
-from vaso.optimizers.parameters import Parameters
-from vaso.optimizers.result import OptimizationResult
-from vaso.optimizers.shared import INTERRUPTED, VERIFIED, Run
-from vaso.optimizers.store import RunStore
+from vaso.optimizers.base import Proposal, Proposer, State
+from vaso.optimizers.budget import BudgetExhausted, EndOfRun
+from vaso.optimizers.shared import VERIFIED, Run, SharedOptimizer
+from vaso.optimizers.store import Checkpoint
 
 
 @dataclass(frozen=True)
-class LoopOptimizer:
+class LoopOptimizer(SharedOptimizer):
     """An optimizer made of a proposer and the shared loop.
 
     Attributes:
@@ -28,33 +24,20 @@ class LoopOptimizer:
     proposer: Proposer
 
     @property
-    def name(self) -> str:
-        """The proposer's name."""
-        return self.proposer.name
+    def inner(self) -> Proposer:
+        """The proposer."""
+        return self.proposer
 
-    @property
-    def needs_lm(self) -> bool:
-        """True if it cannot work without a language model."""
-        return self.proposer.needs_lm
+    def _take_up(self, run: Run, found: Checkpoint | None) -> None:
+        if found:
+            run.restore(found)
 
-    def optimize(
-        self,
-        params: Parameters,
-        loss: Loss,
-        cases: Sequence[Case],
-        *,
-        lm: Any = None,
-        budget: Budget | None = None,
-        seed: int = 0,
-        on_event: OnEvent | None = None,
-        store: RunStore | None = None,
-        ledger: Ledger | None = None,
-        journal: Journal | None = None,
-    ) -> OptimizationResult:
-        """See :class:`vaso.optimizers.base.Optimizer`."""
-        account = ledger or Ledger(budget or Budget())
-        run = Run(self.name, params, loss, cases, lm, account, seed, on_event, store, journal)
-        return _Loop(self.proposer, run).run()
+    def _work(self, run: Run, found: Checkpoint | None) -> str:
+        loop = _Loop(self.proposer, run)
+        while not run.standing.verified:
+            run.ledger.require(*run.limits)
+            loop.step()
+        return VERIFIED
 
 
 class _Loop:
@@ -63,25 +46,8 @@ class _Loop:
     def __init__(self, proposer: Proposer, run: Run) -> None:
         self._proposer, self._run = proposer, run
 
-    def run(self) -> OptimizationResult:
-        """Run until everything is verified, the budget is spent, or nothing more can be done."""
-        run = self._run
-        if found := run.load():
-            run.restore(found)
-        run.begin(found)
-        try:
-            run.evaluate_start()
-            while not run.standing.verified:
-                run.ledger.require(*run.limits)
-                self._step()
-            reason = VERIFIED
-        except EndOfRun as end:
-            reason = str(end)
-        except KeyboardInterrupt:
-            reason = INTERRUPTED
-        return run.finish(reason)
-
-    def _step(self) -> None:
+    def step(self) -> None:
+        """Take one step, which may be in vain."""
         run = self._run
         before, gradient = run.best, run.gradient()
         run.emit("step", f"step {run.number}")

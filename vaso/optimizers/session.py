@@ -9,19 +9,17 @@ from __future__ import annotations
 
 import random
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from vaso.lm import explain
-from vaso.optimizers.base import Case, Loss, LossValue, OnEvent, Proposal
-from vaso.optimizers.budget import Budget, EndOfRun, Ledger
-from vaso.optimizers.journal import Journal
+from vaso.optimizers.base import Case, LossValue, Proposal
+from vaso.optimizers.budget import EndOfRun
 from vaso.optimizers.metering import metered
 from vaso.optimizers.parameters import Parameters
-from vaso.optimizers.result import OptimizationResult
-from vaso.optimizers.shared import INTERRUPTED, VERIFIED, Run
-from vaso.optimizers.store import RunStore
+from vaso.optimizers.shared import VERIFIED, Run, SharedOptimizer
+from vaso.optimizers.store import Checkpoint
 
 Texts = Mapping[str, str]
 MAX_REPEATS = 20
@@ -91,6 +89,8 @@ class Session:
         self.rng = random.Random(f"{run.seed}")
         self.lm = run.lm
         if self.lm is not None:
+            if not hasattr(self.lm, "on_error"):
+                self.lm = metered(self.lm, run.ledger, run.journal)
             self.lm.on_error = self._model_failed
 
     def __deepcopy__(self, memo: Any) -> Session:
@@ -218,7 +218,7 @@ class Session:
 
 
 @dataclass(frozen=True)
-class DrivenOptimizer:
+class DrivenOptimizer(SharedOptimizer):
     """An optimizer made of a driver and a session.
 
     Attributes:
@@ -228,50 +228,19 @@ class DrivenOptimizer:
     driver: Driver
 
     @property
-    def name(self) -> str:
-        """The driver's name."""
-        return self.driver.name
+    def inner(self) -> Driver:
+        """The driver."""
+        return self.driver
 
-    @property
-    def needs_lm(self) -> bool:
-        """True if it cannot work without a language model."""
-        return self.driver.needs_lm
+    def _take_up(self, run: Run, found: Checkpoint | None) -> None:
+        """Nothing: a driver starts anew, and its answers come from the journal."""
 
-    def optimize(
-        self,
-        params: Parameters,
-        loss: Loss,
-        cases: Sequence[Case],
-        *,
-        lm: Any = None,
-        budget: Budget | None = None,
-        seed: int = 0,
-        on_event: OnEvent | None = None,
-        store: RunStore | None = None,
-        ledger: Ledger | None = None,
-        journal: Journal | None = None,
-    ) -> OptimizationResult:
-        """See :class:`vaso.optimizers.base.Optimizer`."""
-        account = ledger or Ledger(budget or Budget())
-        if lm is not None and not hasattr(lm, "on_error"):
-            lm = metered(lm, account, journal)
-        run = Run(self.name, params, loss, cases, lm, account, seed, on_event, store, journal)
-        found = run.load()
-        run.begin(found)
-        try:
-            run.evaluate_start()
-            if run.standing.verified:
-                raise EndOfRun(VERIFIED)
-            session = Session(run)
-            self._drive(session)
-            if found:
-                session.offer(found.texts, "the best of the run that was interrupted")
-            reason = f"{self.name} has nothing more to propose"
-        except EndOfRun as end:
-            reason = str(end)
-        except KeyboardInterrupt:
-            reason = INTERRUPTED
-        return run.finish(reason)
+    def _work(self, run: Run, found: Checkpoint | None) -> str:
+        session = Session(run)
+        self._drive(session)
+        if found:
+            session.offer(found.texts, "the best of the run that was interrupted")
+        return f"{self.name} has nothing more to propose"
 
     def _drive(self, session: Session) -> None:
         while True:

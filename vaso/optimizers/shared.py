@@ -7,13 +7,14 @@ what was accepted is on disk before the next step begins.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vaso.errors import ModelError, VasoError
 from vaso.lm import explain
-from vaso.optimizers.base import Case, Loss, LossValue, OnEvent, Proposal
-from vaso.optimizers.budget import EndOfRun, Ledger, Spent
+from vaso.optimizers.base import Case, Loss, LossValue, OnEvent, Proposal, Proposer
+from vaso.optimizers.budget import Budget, EndOfRun, Ledger, Spent
 from vaso.optimizers.evaluation import Evaluator, Standing, objection
 from vaso.optimizers.events import Event, EventKind
 from vaso.optimizers.journal import Journal
@@ -22,6 +23,9 @@ from vaso.optimizers.quiet import aloud
 from vaso.optimizers.result import OptimizationResult, StepRecord, Tried
 from vaso.optimizers.store import Checkpoint, RunStore, fingerprint
 from vaso.optimizers.threads import in_threads
+
+if TYPE_CHECKING:
+    from vaso.optimizers.session import Driver
 
 MAX_FAILURES = 3
 KEPT_TRIES = 20
@@ -348,6 +352,62 @@ class Run:
         except (OSError, VasoError) as error:
             self.store = None
             self.emit("failed", f"the output folder is not written any more: {error}")
+
+
+class SharedOptimizer(ABC):
+    """An optimizer whose runs are shared ones, whoever proposes in them."""
+
+    @property
+    @abstractmethod
+    def inner(self) -> Proposer | Driver:
+        """Who proposes."""
+
+    @property
+    def name(self) -> str:
+        """The name of the one who proposes."""
+        return self.inner.name
+
+    @property
+    def needs_lm(self) -> bool:
+        """True if it cannot work without a language model."""
+        return self.inner.needs_lm
+
+    def optimize(
+        self,
+        params: Parameters,
+        loss: Loss,
+        cases: Sequence[Case],
+        *,
+        lm: Any = None,
+        budget: Budget | None = None,
+        seed: int = 0,
+        on_event: OnEvent | None = None,
+        store: RunStore | None = None,
+        ledger: Ledger | None = None,
+        journal: Journal | None = None,
+    ) -> OptimizationResult:
+        """See :class:`vaso.optimizers.base.Optimizer`."""
+        account = ledger or Ledger(budget or Budget())
+        run = Run(self.name, params, loss, cases, lm, account, seed, on_event, store, journal)
+        found = run.load()
+        self._take_up(run, found)
+        run.begin(found)
+        try:
+            run.evaluate_start()
+            reason = VERIFIED if run.standing.verified else self._work(run, found)
+        except EndOfRun as end:
+            reason = str(end)
+        except KeyboardInterrupt:
+            reason = INTERRUPTED
+        return run.finish(reason)
+
+    @abstractmethod
+    def _take_up(self, run: Run, found: Checkpoint | None) -> None:
+        """Prepare a run that may go on from a checkpoint."""
+
+    @abstractmethod
+    def _work(self, run: Run, found: Checkpoint | None) -> str:
+        """Work on texts that are not verified yet; why it has ended."""
 
 
 def describe(error: Exception) -> str:
