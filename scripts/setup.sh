@@ -58,4 +58,4 @@ say "PyNuSMV: built from source the first time (1-4 minutes), then taken from a 
 "$UV" build --wheel --python "$PYTHON" --out-dir "$out" third_party/pynusmv
 
 say "installing the packages of uv.lock into .venv"
-"$UV" sync --frozen --inexact --no-dev --python "$PYTHON" --extra adalflow --extra plots
+"$UV" sync --frozen --inexact --no-dev --python "$PYTHON" --extra adalflow --extra plots --extra synthesis
