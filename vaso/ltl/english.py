@@ -7,6 +7,7 @@ makes misplaced operators visible: ``F p & q`` becomes "at some time ..., and at
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -20,6 +21,7 @@ from vaso.ltl.traverse import is_propositional
 __all__ = ["to_english"]
 
 _DEEPEST = 40
+_COMMAND = re.compile(r"(the|[\w.]+'s) command ")
 
 
 class _Form(IntEnum):
@@ -136,7 +138,8 @@ class _Speaker:
         if said.form is _Form.SIMPLE:
             return _Said(f"{when} {said.text}", _Form.DATED)
         form = _Form.SPREAD if said.form <= _Form.JOINED else _Form.LOOSE
-        return _Said(f"{when.rstrip(',')}, {said.text}", form)
+        lead = when if when.endswith(" that") else f"{when.rstrip(',')},"
+        return _Said(f"{lead} {said.text}", form)
 
     def _negation(self, operand: Formula, at_start: bool) -> _Said:
         match operand:
@@ -163,8 +166,8 @@ class _Speaker:
                 step = "in the next step" if count == 1 else f"{count} steps later"
                 return self._dated(f"{step} or after that", inner)
         flat = self._flat(operand)
-        if flat and count == 1 and flat.startswith("the command "):
-            return _Said(flat.replace("the command", "the next command", 1), _Form.SIMPLE)
+        if flat and count == 1 and (said := _COMMAND.match(flat)):
+            return _Said(f"{said[1]} next command {flat[said.end() :]}", _Form.SIMPLE)
         return self._dated("in the next step" if count == 1 else f"{count} steps later", operand)
 
     def _finally(self, operand: Formula, at_start: bool) -> _Said:

@@ -47,7 +47,7 @@ class Tokens(NamedTuple):
 
 
 _SPACE = re.compile(r"(?:\s|[\u200b\ufeff]|\\[ ,;:!]|\\q?quad\b|\\(?:left|right)(?![a-zA-Z]))+")
-_NAME = re.compile(r"[A-Za-z_](?:[A-Za-z0-9_]|\\_|-(?=[A-Za-z]))*", re.ASCII)
+_NAME = re.compile(r"[A-Za-z_](?:[A-Za-z0-9_]|\\_|-(?=[A-Za-z])|\.(?=[A-Za-z_]))*", re.ASCII)
 _WEAK_UNTIL = re.compile(r"weak[ \t]+until\b", re.IGNORECASE)
 _NUMBER = re.compile(r"(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?", re.ASCII)
 _UNIT = re.compile(
@@ -198,7 +198,7 @@ def _letter(text: str, start: int) -> Spelling:
     name = unicodedata.name(text[start], "unnamed")
     hints = {
         ",": "one formula at a time; decimals have a point; F[0,10] is not LTL",
-        ".": "a name has letters, digits and underscores only",
+        ".": "a dot stands between a robot and its proposition, as in jackal.stop",
         ":": "an LTL formula has no colon; remove a label in front of it",
         "'": "a name has letters, digits and underscores only",
         "@": "a name has letters, digits and underscores only",

@@ -76,6 +76,7 @@ _STATES = _words(
     "open closed clear blocked free reached low high on off full empty ready active armed landed",
     "airborne moving stopped done finished safe connected lost available held charged crossed",
 )
+_PLACES = _words("in at on inside outside near over under above below behind beside")
 _DEFINITE = _words("target goal destination home base path way road robot vehicle battery")
 _PLURAL = _words("people persons children men women pedestrians cars objects obstacles")
 _COMMANDS = _words(
@@ -94,8 +95,22 @@ def clause_for(name: str, phrases: Mapping[str, str | Clause]) -> Clause:
     """
     given = phrases.get(name)
     if given is None:
-        return default_clause(name)
+        owner, _, rest = name.rpartition(".")
+        return _owned(owner, clause_for(rest, phrases)) if owner else default_clause(name)
     return _from_text(given) if isinstance(given, str) else given
+
+
+def _owned(owner: str, clause: Clause) -> Clause:
+    """The clause of one robot among several: ``px4.stop`` is "px4's command is stop"."""
+    if clause.subject == "the command":
+        return replace(clause, subject=f"{owner}'s command")
+    if clause.verb == "holds":
+        first, _, place = clause.subject.partition(" ")
+        if first in _PLACES and place:
+            return Clause(owner, "is", f"{first} the {place}", clause.negated)
+        return Clause(f"{owner}'s {clause.subject}", "holds", "", clause.negated)
+    link = "by" if clause.complement in _SENSED else "for"
+    return replace(clause, complement=f"{clause.complement} {link} {owner}")
 
 
 def _from_text(text: str) -> Clause:
@@ -184,7 +199,9 @@ def term_words(term: Term) -> str:
             case Number(value):
                 return number_text(value)
             case Variable(name):
-                return " ".join(name.split("_")).strip()
+                owner, _, own = name.rpartition(".")
+                words = " ".join(own.split("_")).strip()
+                return f"{owner}'s {words}" if owner else words
             case Arithmetic(op, left, right):
                 sides = [
                     f"({text})" if isinstance(side, Arithmetic) else text

@@ -51,7 +51,7 @@ BinaryOp = Literal["&", "|", "xor", "->", "<->", "U", "V", "W", "S", "T"]
 ComparisonOp = Literal["<", "<=", ">", ">=", "==", "!="]
 ArithmeticOp = Literal["+", "-", "*", "/"]
 
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*", re.ASCII)
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*", re.ASCII)
 
 
 class _Node:
@@ -115,7 +115,8 @@ def _check_name(name: str) -> None:
     if not _NAME.fullmatch(name):
         raise FormulaError(
             f"{name!r} cannot be a name in a formula",
-            expected="letters, digits and underscores, not starting with a digit",
+            expected="letters, digits and underscores, not starting with a digit; "
+            "a dot after the name of a robot",
         )
     if is_reserved(name):
         raise FormulaError(f"{name!r} is an operator of LTL and cannot be a name")

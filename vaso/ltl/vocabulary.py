@@ -164,5 +164,9 @@ CTL = _words("A E AG AF AX AU EG EF EX EU")
 
 
 def is_reserved(name: str) -> bool:
-    """Tell whether a name reads as an operator or constant and so cannot name a proposition."""
-    return name in LETTERS or name.lower() in WORDS or name.lower() == "ltlspec"
+    """Tell whether a name reads as an operator or constant and so cannot name a proposition.
+
+    A name with dots is reserved where one of its parts is: ``G.stop`` is a slip, not a robot ``G``.
+    """
+    parts = name.split(".")
+    return any(p in LETTERS or p.lower() in WORDS or p.lower() == "ltlspec" for p in parts)

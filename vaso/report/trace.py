@@ -83,7 +83,7 @@ def trace_table(example: Counterexample, *, limit: int = SHOWN) -> TraceTable:
 def concerned(example: Counterexample) -> tuple[str, ...]:
     """Propositions of the formula whose values no sensor column shows already."""
     first = example.steps[0]
-    words = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", example.formula))
+    words = dict.fromkeys(re.findall(r"[A-Za-z_][\w.]*", example.formula))
     named = [w for w in words if w in first.labels]
     return tuple(n for n in named if not any(_mirrors(example, n, s) for s in first.sensors))
 
