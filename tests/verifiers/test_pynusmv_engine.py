@@ -230,3 +230,44 @@ def test_memory_does_not_grow():
     for _ in range(1000):
         ENGINE.check(LIGHT, [EASY, "F go"])
     assert worker_memory() < before + 5_000_000
+
+
+def child_of_the_worker():
+    (worker,) = _pynusmv_pool.pool._idle[-1:]
+    (child,) = Path(f"/proc/{worker.pid}/task/{worker.pid}/children").read_text().split()
+    return int(child)
+
+
+def test_one_model_leaves_nothing_for_the_next():
+    """The same names mean something else in each model; one child answers them all."""
+    flags = "MODULE main VAR go : boolean; n : boolean; ASSIGN init(go) := TRUE; next(go) := go;\n"
+    numbers = "MODULE main VAR go : 0..3; m : boolean; DEFINE n := go = 2; ASSIGN init(go) := 0;\n"
+    expected = {LIGHT: [True, False], flags: [True, False], numbers: [False, False]}
+    specs = {
+        LIGHT: [EASY, "F go"],
+        flags: ["G go", "G n"],
+        numbers: ["F n", "G m"],
+    }
+    ENGINE.check(LIGHT, [EASY])
+    child = child_of_the_worker()
+    for model in [LIGHT, flags, numbers, flags, LIGHT, numbers] * 3:
+        answers = ENGINE.check(model, specs[model], traces=False)
+        assert verdicts(answers) == expected[model]
+    assert child_of_the_worker() == child
+
+
+def test_a_child_is_replaced_after_some_models_and_after_an_error():
+    ENGINE.check(LIGHT, [EASY])
+    child = child_of_the_worker()
+    for _ in range(200):
+        assert verdicts(ENGINE.check(LIGHT, [EASY, "F go"], traces=False)) == [True, False]
+    fresh = child_of_the_worker()
+    assert fresh != child
+    assert verdicts(ENGINE.check(LIGHT, ["(", "G q", EASY])) == [None, None, True]
+    assert child_of_the_worker() != fresh
+
+
+def test_a_child_that_dies_between_two_requests_costs_nothing():
+    ENGINE.check(LIGHT, [EASY])
+    os.kill(child_of_the_worker(), signal.SIGKILL)
+    assert verdicts(ENGINE.check(LIGHT, [EASY, "F go"])) == [True, False]
