@@ -136,7 +136,7 @@ class Child:
                 return False
             self.unread += chunk
         self.unread = b""
-        return True
+        return not poll.poll(0)  # a hang-up: it has died since
 
     def end(self) -> None:
         """Have it gone."""
