@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -17,6 +18,28 @@ EPOCH = 1024.0
 
 class ClockReadError(Exception):
     """The time is read where the text did not show it; states must be told apart by time then."""
+
+
+class Clock:
+    """The virtual clock.
+
+    Its steps are a little longer than the control period, up to 2**-30 s, so that its values and
+    their differences are exact in binary: how long a span of time is does not depend on when it
+    began. A real period is never shorter than it should be either.
+
+    Args:
+        dt: The control period in seconds.
+    """
+
+    def __init__(self, dt: float) -> None:
+        self._step = math.ceil(dt * _GRID) / _GRID
+
+    def at(self, tick: int) -> float:
+        """The time after some periods, in seconds."""
+        return EPOCH + tick * self._step
+
+
+_GRID = 2**30
 
 
 class Turn(StrEnum):
@@ -82,16 +105,20 @@ class Config:
     note: str = ""
     settling: int = 0
 
-    @property
-    def key(self) -> tuple[Hashable, ...]:
-        """Identity: two configurations with equal keys behave alike and have equal labels."""
-        return (*self.present, self.history)
+    def present(self, now: float, labels_read_clock: bool) -> tuple[Hashable, ...]:
+        """Identity, apart from the set-points of the past.
 
-    @property
-    def present(self) -> tuple[Hashable, ...]:
-        """The identity without the set-points of the past."""
+        Two configurations that are equal in this, each at its own time, behave alike and have equal
+        labels.
+
+        Args:
+            now: The virtual clock's value in this configuration.
+            labels_read_clock: True if the labelling code's future depends on the time.
+        """
+        view = self.plan.view if self.plan else None
         return (
-            self.plan.key if self.plan else None,
+            view.at(now) if view else self.plan.key if self.plan else None,
+            self.tick if view is None or labels_read_clock else 0,
             self.lab.key,
             self.turn,
             repr(self.reply),
@@ -100,7 +127,6 @@ class Config:
             self.origin,
             self.api,
             self.world,
-            self.tick,
             self.track,
             self.moved,
         )

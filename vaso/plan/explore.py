@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from vaso.ltl import Formula, propositions, variables
+from vaso.plan.abstraction import NotAnalysableError, Relevance, analyse
 from vaso.plan.config import ClockReadError, Config, Origin, Reader, Turn
 from vaso.plan.labelling import Labelling
 from vaso.plan.labels import Labeller
@@ -78,11 +79,13 @@ def compile_plan(
     rules = [r.formula for r in (*skill.rules, *skill.assumptions)]
     needed = {n for f in (*rules, *formulas) for n in (*propositions(f), *variables(f))}
     with _Session(plan, skill, robot, needed) as session:
-        try:
-            return _Exploration(session, budget or Budget(), on_states).run()
-        except ClockReadError:
-            session.clock = session.labelling.uses_clock = True
-            return _Exploration(session, budget or Budget(), on_states).run()
+        while True:
+            try:
+                return _Exploration(session, budget or Budget(), on_states).run()
+            except ClockReadError:
+                session.clock = session.labelling.uses_clock = True
+            except NotAnalysableError:
+                session.keep_numbers()
 
 
 class _Session:
@@ -121,11 +124,17 @@ class _Session:
             name=source,
             line=skill.labelling_line,
         )
-        self.machine = Machine([program.prelude, program.text])
+        self._texts = [program.prelude, program.text]
+        self.machine = Machine(self._texts, relevance=_relevance(program.text))
         self.clock = program.uses_clock or self.labelling.uses_clock
         self.needed = needed
         looks_back = any(f.parameters for f in draft.functions.values())
         self.histories = Histories(keep=robot.trajectory is not None and looks_back)
+
+    def keep_numbers(self) -> None:
+        """Tell states apart by every number of the plan."""
+        self.machine.__exit__(None, None, None)
+        self.machine = Machine(self._texts)
 
     def __enter__(self) -> _Session:
         return self
@@ -133,6 +142,13 @@ class _Session:
     def __exit__(self, *exc: object) -> None:
         self.machine.__exit__(*exc)
         self.labelling.__exit__(*exc)
+
+
+def _relevance(text: str) -> Relevance | None:
+    try:
+        return analyse(text)
+    except (NotAnalysableError, RecursionError):
+        return None
 
 
 class _Exploration:
@@ -200,9 +216,10 @@ class _Exploration:
         return bool(self.bound)
 
     def _add(self, config: Config, depth: int) -> int:
-        number = self.index.get(config.key)
+        key = (*self._present(config), config.history)
+        number = self.index.get(key)
         if number is None:
-            number = self.index[config.key] = len(self.states)
+            number = self.index[key] = len(self.states)
             self.configs.append(config)
             self.depths.append(depth)
             self.states.append(self._state(config))
@@ -269,11 +286,14 @@ class _Exploration:
         if (before.issued, before.world) != (after.issued, after.world):
             return after
         base = self.session.histories.base(after.history)
-        self.plateaus.setdefault((*before.present, base), before)
-        first = self.plateaus.setdefault((*after.present, base), after)
+        self.plateaus.setdefault((*self._present(before), base), before)
+        first = self.plateaus.setdefault((*self._present(after), base), after)
         if first.history == after.history or not self.labeller.steady(first):
             return after
         return replace(after, history=first.history)
+
+    def _present(self, config: Config) -> tuple[Hashable, ...]:
+        return config.present(self.stepper.now(config), self.session.labelling.uses_clock)
 
     def _close(self, number: int) -> None:
         """Make an unexplored state a cut."""

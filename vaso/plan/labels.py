@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from vaso.errors import LabellingError
-from vaso.plan.config import EPOCH, Config, Origin, Reader, Turn
+from vaso.plan.config import EPOCH, Clock, Config, Origin, Reader, Turn
 from vaso.plan.labelling import ROWS, Commanded, Function, Labelling, Returned, Slept, Threw
 from vaso.plan.machine import Continuation
 from vaso.plan.trajectory import Histories
@@ -46,6 +46,7 @@ class Labeller:
     ) -> None:
         self.labelling = labelling
         self.platform = platform
+        self._time = Clock(platform.dt)
         self.histories = histories
         self.sensors: dict[str, Sensor] = {}
         self.actions: dict[str, Issued | None] = {}
@@ -154,7 +155,7 @@ class Labeller:
 
     def _value(self, function: Function, here: Config) -> Label | tuple[Case, ...]:
         at = self._idle(here)
-        clock = EPOCH + here.tick * self.platform.dt if self.labelling.uses_clock else EPOCH
+        clock = self._time.at(here.tick) if self.labelling.uses_clock else EPOCH
         history = here.history if function.parameters else -1
         memo = (at.key, function.name, history, clock)
         if memo not in self._memo:

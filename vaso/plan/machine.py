@@ -27,6 +27,7 @@ from pydantic_monty import (
     NameLookupSnapshot,
 )
 
+from vaso.plan.abstraction import Quotient, Relevance, View
 from vaso.plan.snapshot import KeyMaker
 
 TURN_SECONDS = 2.0
@@ -109,11 +110,14 @@ class Continuation:
         key: Canonical identity: equal keys mean equal future behaviour.
         event: What it waits for.
         blob: The snapshot; None once it has ended.
+        view: What its future can look at, where that is known: equal views, taken at their times,
+            mean equal future behaviour too.
     """
 
     key: bytes
     event: Event = field(compare=False)
     blob: bytes | None = field(compare=False, repr=False)
+    view: View | None = field(compare=False, repr=False, default=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,12 +134,20 @@ class Machine:
     Args:
         texts: Python texts sharing one module namespace.
         recovery: Text that brings the program back to a stop after an uncaught exception.
+        relevance: What matters of the last text's numbers, if that is known.
     """
 
-    def __init__(self, texts: Sequence[str], *, recovery: str | None = None) -> None:
+    def __init__(
+        self,
+        texts: Sequence[str],
+        *,
+        recovery: str | None = None,
+        relevance: Relevance | None = None,
+    ) -> None:
         self._texts = list(texts)
         self._recovery = recovery
-        self._key = KeyMaker()
+        file = f"<python-input-{len(self._texts) - 1}>"
+        self._key = KeyMaker(Quotient(relevance, file) if relevance else None)
         self._memo: dict[tuple[bytes, str], Continuation] = {}
         self._stack = ExitStack()
         self._live: tuple[bytes, Any] | None = None
@@ -191,9 +203,9 @@ class Machine:
         blob = self._guard(snapshot.dump)
         if isinstance(blob, Raised):
             return self._ended(blob)
-        key = self._key(blob)
+        key, view = self._key(blob)
         self._live = (key, snapshot)
-        return Continuation(key, self._event(snapshot), blob)
+        return Continuation(key, self._event(snapshot), blob, view)
 
     def _event(self, snapshot: Any) -> Event:
         feed, line = self._line(snapshot.position)

@@ -16,11 +16,13 @@ from typing import Any
 import cbor2
 
 from vaso.errors import VerifierError
+from vaso.plan.abstraction import Quotient, Snapshot, View
 
 MAGIC = b"MONTY\0"
 VERSION = b"\x0e\x00"
 """Dump format of the pinned pydantic-monty; a test fails loudly when it changes."""
 
+_CLOCK = "time.time"
 _HEADER = len(MAGIC) + len(VERSION)
 
 # Heap entry tags whose payload holds references only in the form {"C": slot}.
@@ -53,18 +55,22 @@ class _UnknownShape(Exception):
 class KeyMaker:
     """Computes keys for the snapshots of one program; remembers its constant part.
 
+    Args:
+        quotient: Says what of the program's numbers matters, if that is known.
+
     Attributes:
         raw: How many snapshots had to keep their raw numbering.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, quotient: Quotient | None = None) -> None:
+        self._quotient = quotient
         self._tables: Any = None
         self._tables_key = b""
         self._modules: dict[bytes, int] = {}
         self.raw = 0
 
-    def __call__(self, dump: bytes) -> bytes:
-        """The canonical key of a suspended snapshot.
+    def __call__(self, dump: bytes) -> tuple[bytes, View | None]:
+        """The canonical key of a suspended snapshot, and what its future can look at of it.
 
         Raises:
             VerifierError: The dump is not in the format of the pinned sandbox version.
@@ -78,14 +84,40 @@ class KeyMaker:
         snapshot = call["snapshot"]
         heap = snapshot["repl"]["heap"]
         roots = _roots(kind, call, snapshot)
+        rest = {k: v for k, v in heap.items() if k not in _VOLATILE_HEAP}
+        traversal = _Traversal(heap["entries"], self._modules)
         try:
-            body = _Traversal(heap["entries"], self._modules).run(roots)
+            body = traversal.run(roots)
         except _UnknownShape:
             self.raw += 1
-            body = [roots, [_raw(e) for e in heap["entries"]]]
-        rest = {k: v for k, v in heap.items() if k not in _VOLATILE_HEAP}
+            body, view = [roots, [_raw(e) for e in heap["entries"]]], None
+        else:
+            view = self._view(call, snapshot, traversal, [*body[0], body[1], rest])
         text = cbor2.dumps([body, rest, self._constant(snapshot)])
-        return hashlib.blake2b(text, digest_size=16).digest()
+        return hashlib.blake2b(text, digest_size=16).digest(), view
+
+    def _view(
+        self,
+        call: dict[str, Any],
+        snapshot: dict[str, Any],
+        traversal: _Traversal,
+        shape: list[Any],
+    ) -> View | None:
+        if self._quotient is None or "function_name" not in call:
+            return None
+        at = call["position"]
+        return self._quotient.view(
+            Snapshot(
+                file=at["filename"],
+                call=(at["start"], at["end"]),
+                clock=call["function_name"] == _CLOCK,
+                tables=snapshot["executor"]["tables"],
+                machine=snapshot["vm_state"],
+                heap=traversal.entries,
+                shape=shape,
+                order=traversal.number,
+            )
+        )
 
     def _constant(self, snapshot: dict[str, Any]) -> bytes:
         """Key of the code tables, which hardly ever change between snapshots of one program."""

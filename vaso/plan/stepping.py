@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from pydantic_monty import MontyClassProxy
 
 from vaso.errors import PlanError, UnsupportedPlanError
-from vaso.plan.config import EPOCH, ClockReadError, Config, Origin, Reader, Turn
+from vaso.plan.config import Clock, ClockReadError, Config, Origin, Reader, Turn
 from vaso.plan.labelling import Commanded, Labelling, Outcome, Returned, Slept, Threw
 from vaso.plan.machine import (
     Call,
@@ -88,6 +88,7 @@ class Stepper:
         self.source = source
         self.actions = actions
         self.clock = clock
+        self._time = Clock(platform.dt)
         self.histories = histories
         self.warnings: dict[str, None] = {}
         self.cut_reasons: list[tuple[str, int | None, bool]] = []
@@ -369,8 +370,12 @@ class Stepper:
             f"the function '{event.name}' is not defined", source=self.name, line=event.line
         )
 
+    def now(self, here: Config) -> float:
+        """The virtual clock's value."""
+        return self._now(here)
+
     def _now(self, here: Config, ahead: int = 0) -> float:
-        return EPOCH + round((here.tick + ahead) * self.platform.dt, 9)
+        return self._time.at(here.tick + ahead)
 
     def _tick(self, here: Config) -> int:
         return here.tick + 1 if self.clock else 0

@@ -68,6 +68,7 @@ class State:
         observed: Propositions that do, each with exhaustive and exclusive cases.
         note: Remark for the reader, such as "the plan has ended".
         cut: True where exploration stopped; what follows this state is not known.
+        plan: Name of the plan that issued the command, where several share the robot.
     """
 
     command: str
@@ -77,6 +78,7 @@ class State:
     observed: Mapping[str, tuple[Case, ...]] = field(default_factory=dict)
     note: str = ""
     cut: bool = False
+    plan: str = ""
 
     def label(self, valuation: Guard, names: Iterable[str] | None = None) -> dict[str, Label]:
         """The value of every proposition (or of those named) under a sensor valuation."""

@@ -1,0 +1,268 @@
+"""Read in a snapshot of the sandbox what the future can look at."""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import math
+from collections.abc import Hashable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+import cbor2
+
+from vaso.plan.abstraction.forms import CLOCK, EXACT, GLOBAL, Bound, Form, Interval, Var
+from vaso.plan.abstraction.relevance import Relevance
+from vaso.plan.abstraction.scopes import NotAnalysableError
+
+_Place: TypeAlias = tuple[str, int]
+"""Where a variable is: in ``globals``, ``stack`` or ``heap``, and its index there."""
+
+_SEEN, _UNSEEN = "number", "dead"
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A snapshot up to what cannot be told apart.
+
+    Attributes:
+        base: Everything but the plan's numbers.
+        forms: For each form that matters: its value without the clock, its rate with the clock, and
+            the constants that it is compared with.
+    """
+
+    base: bytes
+    forms: tuple[tuple[Fraction, Fraction, Bound, Bound], ...]
+
+    def at(self, now: float) -> tuple[Hashable, ...]:
+        """The identity at a time: equal identities behave alike from then on."""
+        clock = Fraction(now)
+        values = ((value + rate * clock, low, high) for value, rate, low, high in self.forms)
+        return (self.base, *(_seen(v, low, high) for v, low, high in values))
+
+
+def _seen(value: Fraction, low: Bound, high: Bound) -> Hashable:
+    if value > high:
+        return "above"
+    return "below" if value < low else value
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The parts of a snapshot that are looked at.
+
+    Attributes:
+        file: The text with the call at which the program waits.
+        call: The bytes of that call.
+        clock: True if it asks for the time.
+        tables: The sandbox's tables of functions, strings and global names.
+        machine: The frames, the stack and the globals.
+        heap: The heap's entries.
+        shape: The snapshot in its canonical form: the roots, then the heap's entries.
+        order: Which entry of the canonical form a slot of the heap is.
+    """
+
+    file: str
+    call: tuple[int, int]
+    clock: bool
+    tables: Mapping[str, Any]
+    machine: Mapping[str, Any]
+    heap: list[Any]
+    shape: list[Any]
+    order: Mapping[int, int]
+
+
+class Quotient:
+    """Views of the snapshots of one plan.
+
+    Args:
+        relevance: What matters where.
+        file: What the sandbox calls the plan's text.
+    """
+
+    def __init__(self, relevance: Relevance, file: str) -> None:
+        self.relevance = relevance
+        self._file = file
+        self._layout: _Layout | None = None
+
+    def view(self, snapshot: Snapshot) -> View | None:
+        """What the future can look at; None where that is not known.
+
+        Raises:
+            NotAnalysableError: The plan stops at a call that the analysis does not know as such.
+        """
+        if snapshot.file != self._file:
+            return None
+        wanted = self.relevance.at.get(snapshot.call)
+        if wanted is None or snapshot.clock != (snapshot.call in self.relevance.clocks):
+            raise NotAnalysableError("a call that the analysis does not know")
+        if self._layout is None:
+            self._layout = _Layout(snapshot.tables, self.relevance, self._file)
+        places = self._layout.places(snapshot)
+        if places is None:
+            return None
+        cells = {var: _cell(snapshot, place) for var, place in places.items()}
+        running = {var[0] for var in cells} | {GLOBAL, CLOCK[0]} | self._layout.running(snapshot)
+        found: list[tuple[Fraction, Fraction, Bound, Bound]] = []
+        alive: set[Var] = set()
+        for form, interval in wanted.items():
+            if all(var[0] in running for var, _ in form):
+                alive.update(var for var, _ in form)
+                found += _valued(form, interval, cells)
+        return View(_base(snapshot, places, cells, alive), tuple(found))
+
+
+def _valued(
+    form: Form, interval: Interval, cells: Mapping[Var, Any]
+) -> Iterator[tuple[Fraction, Fraction, Bound, Bound]]:
+    """A form's value; nothing for one that no path can look at from here."""
+    value, rate = Fraction(0), Fraction(0)
+    for var, coefficient in form:
+        if var == CLOCK:
+            rate = coefficient
+            continue
+        cell = cells.get(var)
+        number = _number(cell)
+        if number is not None:
+            value += coefficient * number
+        elif cell is not None and _no_number(cell):
+            return  # reading it, or computing with it, raises before anything is compared
+        else:
+            # Its value is part of the base, so the rest of the form is looked at by itself.
+            interval = EXACT
+    yield value, rate, *interval
+
+
+def _no_number(cell: Any) -> bool:
+    return cell in ("U", "O") or (isinstance(cell, dict) and "T" in cell)
+
+
+def _number(cell: Any) -> Fraction | None:
+    """The number in a cell; None for anything else, also for a truth value."""
+    if not isinstance(cell, dict) or len(cell) != 1:
+        return None
+    ((tag, value),) = cell.items()
+    if tag == "I" or (tag == "F" and math.isfinite(value)):
+        return Fraction(value)
+    return None
+
+
+def _cell(snapshot: Snapshot, place: _Place) -> Any:
+    where, index = place
+    if where == "heap":
+        return snapshot.heap[index]["D"]["K"]
+    return snapshot.machine[where][index]
+
+
+def _base(
+    snapshot: Snapshot,
+    places: Mapping[Var, _Place],
+    cells: Mapping[Var, Any],
+    alive: set[Var],
+) -> bytes:
+    """A digest of everything but the numbers in the variables."""
+    kind, pending, machine, scheduler = snapshot.shape[0]
+    shape = [None, *snapshot.shape[1:]]
+    parts = {**machine, "stack": [*machine["stack"]], "globals": [*machine["globals"]]}
+    for var, (where, index) in places.items():
+        mark = _mark(cells[var], var in alive)
+        if mark is None:
+            continue
+        if where == "heap":
+            shape[1 + snapshot.order[index]] = ["K", mark]
+        else:
+            parts[where][index] = mark
+    shape[0] = [kind, pending, parts, scheduler]
+    return hashlib.blake2b(cbor2.dumps(shape), digest_size=16).digest()
+
+
+def _mark(cell: Any, alive: bool) -> Any:
+    """What stands for a variable's value; None where the value itself does."""
+    if isinstance(cell, dict) and "C" in cell:
+        return None
+    if not alive:
+        return _UNSEEN
+    return None if _number(cell) is None else [_SEEN, *cell]
+
+
+class _Layout:
+    """Where the sandbox keeps the variables of a plan."""
+
+    def __init__(self, tables: Mapping[str, Any], relevance: Relevance, file: str) -> None:
+        self._scopes = relevance.scopes
+        self._names = _Names(tables)
+        self._globals = [self._names.of(n) for n in tables["global_names"]["slots"]]
+        numbers = _starts(relevance)
+        self._functions: dict[int, int] = {}
+        self._locals: dict[int, list[str]] = {}
+        for index, function in enumerate(tables["interns"]["functions"]):
+            at = function["N"]["P"]
+            number = numbers.get(at["S"]) if self._names.of(at["F"]) == file else None
+            if number is not None:
+                self._functions[index] = number
+                self._locals[number] = [self._names.of(n) for n in function["B"]["N"]]
+
+    def running(self, snapshot: Snapshot) -> set[int]:
+        """The functions that are running."""
+        frames = snapshot.machine["frames"]
+        return {self._functions[f["F"]] for f in frames if f["F"] in self._functions}
+
+    def places(self, snapshot: Snapshot) -> dict[Var, _Place] | None:
+        """Where the variables are; None if a frame is not one of the plan's."""
+        scopes = self._scopes
+        found: dict[Var, _Place] = {}
+        for slot, name in enumerate(self._globals):
+            if name in scopes.module.own and slot < len(snapshot.machine["globals"]):
+                found[(GLOBAL, name)] = ("globals", slot)
+        for frame in snapshot.machine["frames"]:
+            if frame["F"] is None:
+                continue
+            number = self._functions.get(frame["F"])
+            if number is None:
+                return None
+            for index, name in enumerate(self._locals[number][: frame["L"]]):
+                self._add(found, (number, name), frame["S"] + index, snapshot)
+        return {var: place for var, place in found.items() if var not in scopes.untracked}
+
+    def _add(self, found: dict[Var, _Place], var: Var, index: int, snapshot: Snapshot) -> None:
+        scope = self._scopes.of[self._scopes.functions[var[0]]]
+        if self._scopes.owner(var[1], scope) != var:
+            return  # a variable of an outer function, found with that one
+        cell = snapshot.machine["stack"][index]
+        slot = cell.get("C") if isinstance(cell, dict) else None
+        if isinstance(slot, int) and slot in snapshot.order and "K" in snapshot.heap[slot]["D"]:
+            found[var] = ("heap", slot)
+        else:
+            found[var] = ("stack", index)
+
+
+class _Names:
+    """The sandbox's texts by number. Their numbering starts after its own short texts."""
+
+    def __init__(self, tables: Mapping[str, Any]) -> None:
+        self._texts: list[str] = tables["interns"]["strings"]
+        # The prelude makes ``math`` the first global, whatever the numbering.
+        self._first = tables["global_names"]["slots"][0] - self._texts.index("math")
+
+    def of(self, number: int) -> str:
+        """The text with a number."""
+        if number < 128:
+            return chr(number)
+        index = number - self._first
+        return self._texts[index] if 0 <= index < len(self._texts) else ""
+
+
+def _starts(relevance: Relevance) -> dict[int, int]:
+    """The number of the function whose name (or which, for a lambda) starts at a byte."""
+    text = relevance.text.encode()
+    starts = [0]
+    for line in text.split(b"\n"):
+        starts.append(starts[-1] + len(line) + 1)
+    found = {}
+    for number, node in enumerate(relevance.scopes.functions):
+        start = starts[node.lineno - 1] + node.col_offset
+        if isinstance(node, ast.FunctionDef):
+            start = text.index(node.name.encode(), start + len(b"def"))
+        found[start] = number
+    return found

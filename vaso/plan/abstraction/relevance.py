@@ -1,0 +1,186 @@
+"""What the future of a plan may look at, for every call at which it can stop."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections import deque
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from vaso.plan.abstraction.flow import Enter, Graph, Set, Stop, Use
+from vaso.plan.abstraction.forms import (
+    CLOCK,
+    EXACT,
+    UNSEEN,
+    Affine,
+    Atoms,
+    Form,
+    Interval,
+    items,
+    normal,
+)
+from vaso.plan.abstraction.lowering import Lowering
+from vaso.plan.abstraction.scopes import NotAnalysableError, Scopes, parameters
+
+MAX_STEPS = 20_000
+MAX_ROUNDS = 400_000
+_INTERVALS: Mapping[str, Interval] = {
+    "exactly": EXACT,
+    "sign": (Fraction(0), Fraction(0)),
+    "kind": UNSEEN,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Relevance:
+    """What matters at the calls of a plan.
+
+    Attributes:
+        text: The plan.
+        scopes: Its functions and variables.
+        at: For the bytes of each call: the forms that the future may look at while the plan waits
+            there, and the constants it compares them with.
+        clocks: The calls that return the time.
+    """
+
+    text: str
+    scopes: Scopes
+    at: Mapping[tuple[int, int], Mapping[Form, Interval]]
+    clocks: frozenset[tuple[int, int]]
+
+
+def analyse(text: str) -> Relevance:
+    """Analyse a plan.
+
+    Args:
+        text: The plan, as the sandbox runs it.
+
+    Raises:
+        NotAnalysableError: It uses a construct that this analysis does not follow.
+    """
+    program = _lowered(text)
+    before = _Solver(program.graph, program.scopes).solve()
+    at: dict[tuple[int, int], Mapping[Form, Interval]] = {}
+    clocks = set()
+    for span, steps in program.stops.items():
+        merged = Atoms()
+        for step in steps:
+            for form, interval in before[step].bounds.items():
+                merged.add(form, interval)
+            stop = program.graph.steps[step]
+            if isinstance(stop, Stop) and stop.clock:
+                clocks.add(span)
+        at[span] = merged.bounds
+    return Relevance(text, program.scopes, at, frozenset(clocks))
+
+
+def _lowered(text: str) -> Lowering:
+    """Lower a plan; what a function that may call itself owns exists several times."""
+    tree = ast.parse(text)
+    scopes = Scopes(tree)
+    recursive = _recursive(Lowering(text, tree, scopes).calls)
+    scopes.untracked |= {v for v in scopes.variables() if v[0] in recursive}
+    return Lowering(text, tree, scopes)
+
+
+def _recursive(calls: set[tuple[int, int]]) -> set[int]:
+    """The functions that may run while they wait for themselves."""
+    reached = {a: {c for b, c in calls if b == a} for a, _ in calls}
+    while True:
+        grown = {
+            a: found.union(*(reached.get(c, set()) for c in found)) for a, found in reached.items()
+        }
+        if grown == reached:
+            return {a for a, found in reached.items() if a in found}
+        reached = grown
+
+
+class _Solver:
+    """The smallest solution of the backward equations, found with a list of what to do."""
+
+    def __init__(self, graph: Graph, scopes: Scopes) -> None:
+        self._graph = graph
+        self._parameters = [set(parameters(f)) for f in scopes.functions]
+        self._before = [Atoms() for _ in graph.steps]
+        self._preceding: list[list[int]] = [[] for _ in graph.steps]
+        for number, following in enumerate(graph.after):
+            for other in following:
+                self._preceding[other].append(number)
+        self._handlers = set(graph.handlers)
+
+    def solve(self) -> list[Atoms]:
+        """What matters before every step."""
+        count = len(self._graph.steps)
+        if count > MAX_STEPS:
+            raise NotAnalysableError("the plan is too long")
+        todo, waiting = deque(range(count)), set(range(count))
+        for _ in range(MAX_ROUNDS):
+            if not todo:
+                return self._before
+            number = todo.popleft()
+            waiting.discard(number)
+            if self._visit(number):
+                following = range(count) if number in self._handlers else self._preceding[number]
+                for other in following:
+                    if other not in waiting:
+                        waiting.add(other)
+                        todo.append(other)
+        raise NotAnalysableError("the analysis of the plan takes too long")
+
+    def _visit(self, number: int) -> bool:
+        own = self._before[number]
+        changed = False
+        for value, interval in self._wanted(number):
+            found = normal(value, interval)
+            if found is not None:
+                changed = own.add(*found) or changed
+        return changed
+
+    def _wanted(self, number: int) -> list[tuple[Affine, Interval]]:
+        step = self._graph.steps[number]
+        wanted = [
+            changed
+            for other in set(self._graph.after[number])
+            for pair in items(self._before[other].bounds.items())
+            for changed in self._through(step, *pair)
+        ]
+        if isinstance(step, Use):
+            wanted.append((step.value, _INTERVALS[step.how]))
+        for handler in self._handlers - {number}:
+            wanted += items(self._before[handler].bounds.items())
+        return wanted
+
+    def _through(
+        self, step: object, value: Affine, interval: Interval
+    ) -> Iterator[tuple[Affine, Interval]]:
+        """What must be known before a step, for a form to be known after it."""
+        if isinstance(step, Set) and step.var in value.terms:
+            yield from _assigned(step, value, interval)
+        elif isinstance(step, Stop) and CLOCK in value.terms:
+            yield value, _later(value.terms[CLOCK], interval)
+        elif isinstance(step, Enter):
+            own, kept = step.function, self._parameters[step.function]
+            # Reading any other variable of the function's would fail at this point.
+            if all(v[0] != own or v[1] in kept for v in value.terms):
+                yield value, interval
+        else:
+            yield value, interval
+
+
+def _assigned(step: Set, value: Affine, interval: Interval) -> Iterator[tuple[Affine, Interval]]:
+    factor = value.terms[step.var]
+    rest = value.plus(Affine.of(step.var), -factor)
+    if step.value is not None:
+        yield rest.plus(step.value, factor), interval
+    elif rest.terms:
+        yield rest, UNSEEN if interval == UNSEEN else EXACT
+
+
+def _later(rate: Fraction, interval: Interval) -> Interval:
+    """The constants that a form which grows or falls with the clock is compared with from now."""
+    low, high = interval
+    if interval == UNSEEN:
+        return interval
+    return (-math.inf, high) if rate > 0 else (low, math.inf)
