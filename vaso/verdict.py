@@ -119,7 +119,10 @@ class SpecResult:
         engine: The engine that decided.
         seconds: Wall time spent on it.
         counterexample: For FAIL.
-        vacuous: Why a PASS is vacuous, or None.
+        vacuous: Why a PASS says nothing about the plan, or None.
+        stronger: For a PASS: a rule that implies this one and holds as well, because some part of
+            this one does not matter on the plan.
+        unchecked: Why a PASS was not, or not completely, checked for vacuity; else empty.
         assumptions: Assumptions that the PASS needs, as written.
         reason: For UNKNOWN and UNSUPPORTED: why.
         warnings: Misleading precedence and the like.
@@ -134,6 +137,8 @@ class SpecResult:
     seconds: float = 0.0
     counterexample: Counterexample | None = None
     vacuous: str | None = None
+    stronger: str | None = None
+    unchecked: str = ""
     assumptions: tuple[str, ...] = ()
     reason: str = ""
     warnings: tuple[str, ...] = ()
@@ -145,6 +150,8 @@ class SpecResult:
             "spec": self.spec,
             "verdict": self.verdict.value,
             "vacuous": self.vacuous,
+            "stronger": self.stronger,
+            "unchecked": self.unchecked,
             "counterexample": example.to_json() if example else None,
             "english": self.english,
             "role": self.role,

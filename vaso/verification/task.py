@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from vaso.ltl import Formula
 from vaso.plan.transition_system import TransitionSystem
@@ -14,7 +14,8 @@ from vaso.verdict import Counterexample, Verdict
 from vaso.verification.assumptions import require_possible, require_sensors_only
 from vaso.verification.counterexample import explain_run
 from vaso.verification.queries import Checker, Query
-from vaso.verification.vacuity import probes
+from vaso.verification.regardless import Passed
+from vaso.verification.vacuity import Vacuity, look_for_vacuity
 from vaso.verifiers import Answer, Verifier
 
 __all__ = ["Finding", "Task"]
@@ -31,14 +32,14 @@ class Finding:
         answer: The answer that counts.
         seconds: Wall time of all answers about it.
         needed: Assumptions that a PASS rests on.
-        vacuous: Why a PASS says nothing, or None.
+        vacuity: For a PASS: whether it says anything about the plan.
     """
 
     formula: Formula
     answer: Answer
     seconds: float = 0.0
     needed: tuple[Rule, ...] = ()
-    vacuous: str | None = None
+    vacuity: Vacuity = field(default_factory=Vacuity)
 
     def take(self, answer: Answer) -> None:
         """Let a later answer count instead."""
@@ -75,6 +76,7 @@ class Task:
         counterexamples: bool,
     ) -> None:
         self.system = system
+        self.robot = robot
         self.assumptions = skill.assumptions
         self.source = skill.source or skill.name
         self.checker = Checker(system, verifier, timeout)
@@ -135,9 +137,8 @@ class Task:
 
     # --- vacuity -------------------------------------------------------------------------------
 
-    def _look_for_vacuity(self, passed: list[Finding]) -> None:
-        asked = [(finding, probe) for finding in passed for probe in probes(finding.formula)]
-        queries = [replace(f.query(f.needed), formula=probe.formula) for f, probe in asked]
-        for (finding, probe), answer in zip(asked, self.checker.ask(queries), strict=True):
-            if answer.verdict is Verdict.PASS and finding.vacuous is None:
-                finding.vacuous = probe.reason
+    def _look_for_vacuity(self, findings: list[Finding]) -> None:
+        passed = [Passed(f.formula, f.needed) for f in findings]
+        found = look_for_vacuity(self.checker, self.robot, passed)
+        for finding, vacuity in zip(findings, found, strict=True):
+            finding.vacuity = vacuity

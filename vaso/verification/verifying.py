@@ -173,7 +173,9 @@ class _Checked:
             engine=finding.answer.engine,
             seconds=finding.seconds,
             counterexample=counterexample,
-            vacuous=finding.vacuous,
+            vacuous=finding.vacuity.reason,
+            stronger=finding.vacuity.stronger,
+            unchecked=finding.vacuity.unchecked,
             assumptions=tuple(rule.text for rule in finding.needed),
             reason=finding.answer.reason,
         )
