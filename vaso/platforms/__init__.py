@@ -10,14 +10,30 @@ from vaso.platforms.model import (
     PropositionSpec,
     SensorSpec,
 )
+from vaso.platforms.response import (
+    Channel,
+    Greatest,
+    Position,
+    Response,
+    SetPoint,
+    Speed,
+    Velocity,
+)
 
 __all__ = [
+    "Channel",
     "Command",
     "Dynamics",
+    "Greatest",
     "Issued",
     "Parameter",
     "Platform",
+    "Position",
     "PropositionSpec",
+    "Response",
     "SensorSpec",
+    "SetPoint",
+    "Speed",
+    "Velocity",
     "get_platform",
 ]

@@ -12,6 +12,7 @@ from vaso.platforms.model import (
     PropositionSpec,
     SensorSpec,
 )
+from vaso.platforms.response import Channel, Response, Speed, Velocity
 
 
 class JackalDynamics:
@@ -60,6 +61,14 @@ VELOCITY = Command(
     doc="Send linear and angular velocity commands.",
 )
 REST = VELOCITY.issue((0.0, 0.0), {})
+RESPONSE = Response(
+    channels=(
+        Channel(name="linear", parameter="linear", acceleration=20.0),
+        Channel(name="angular", parameter="angular", acceleration=25.0),
+    ),
+    quantities={"speed": Speed(channels=("linear",)), "turn_rate": Velocity(channel="angular")},
+    source="max_acceleration in github.com/jackal/jackal, jackal_control/config/control.yaml",
+)
 ACTIONS = ("forward", "backward", "stop", "turn_left", "turn_right")
 
 platform = Platform(
@@ -80,7 +89,7 @@ platform = Platform(
             PropositionSpec(name=a, kind="action", phrase=f"the command is {a.replace('_', ' ')}")
             for a in ACTIONS
         ),
-        PropositionSpec(name="speed", kind="numeric", unit="m/s"),
+        PropositionSpec(name="speed", kind="numeric", unit="m/s", minimum=0.0),
         PropositionSpec(name="turn_rate", kind="numeric", unit="rad/s"),
         PropositionSpec(
             name="people_observed",
@@ -103,4 +112,5 @@ platform = Platform(
     ),
     exclusions=(ACTIONS,),
     dynamics=JackalDynamics(),
+    response=RESPONSE,
 )

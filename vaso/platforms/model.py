@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Literal, Protocol, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field
 
 from vaso.errors import PlanError, PlatformError
+from vaso.platforms.response import Response
 
 Value: TypeAlias = float | tuple[float, ...]
 """A command's argument: a number, or a vector such as a NED velocity."""
@@ -141,6 +142,7 @@ class PropositionSpec(BaseModel):
         unit: Unit of a numeric proposition.
         phrase: A clause in plain English that says it, for readers who do not know LTL.
         sensor: For observations: the raw sensor that truly decides it.
+        minimum: For numbers: the least value that they can have, whatever the robot does.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -149,6 +151,7 @@ class PropositionSpec(BaseModel):
     unit: str = ""
     phrase: str = ""
     sensor: str | None = None
+    minimum: float | None = None
 
 
 class Dynamics(Protocol):
@@ -186,6 +189,8 @@ class Platform(BaseModel):
             so far, from the one at rest on.
         current_names: Parameter names that stand for the set-point in force.
         previous_names: Parameter names that stand for the set-point before it.
+        response: How set-points become motion between two samples; without one, nothing is said
+            about what happens there.
     """
 
     model_config = ConfigDict(frozen=True, arbitrary_types_allowed=True)
@@ -202,6 +207,7 @@ class Platform(BaseModel):
     history_names: tuple[str, ...] = ()
     current_names: tuple[str, ...] = ()
     previous_names: tuple[str, ...] = ()
+    response: Response | None = None
 
     registry: ClassVar[dict[str, str]] = {
         "jackal": "vaso.platforms.jackal",

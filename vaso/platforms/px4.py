@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 from vaso.platforms.model import Command, Issued, Parameter, Platform, PropositionSpec
+from vaso.platforms.response import Channel, Greatest, Position, Response, SetPoint, Speed
 
 PERIOD = 1.0
 NANO = 9
@@ -63,6 +64,21 @@ VELOCITY = Command(
     doc="Publish a velocity set-point (north, east, down) in metres per second, once per second.",
 )
 
+RESPONSE = Response(
+    channels=(
+        Channel(name="horizontal", parameter="velocity", components=(0, 1), lag=0.56),
+        Channel(name="vertical", parameter="velocity", components=(2,), lag=0.25),
+    ),
+    quantities={
+        "altitude": Position(channel="vertical", factor=-1.0, floor=0.0),
+        "max_altitude": Greatest(of="altitude"),
+        "linear_velocity": Speed(channels=("horizontal", "vertical"), unless_on="altitude"),
+        "velocity_change": SetPoint(),
+    },
+    source="PX4, PositionControl::_velocityControl: the acceleration is the error of the velocity "
+    "times MPC_XY_VEL_P_ACC (1.8 1/s by default, lag 0.56 s) or MPC_Z_VEL_P_ACC (4 1/s, 0.25 s)",
+)
+
 platform = Platform(
     name="px4",
     description="PX4 quadcopter in offboard mode, flown by NED velocity set-points at 1 Hz.",
@@ -70,12 +86,13 @@ platform = Platform(
     commands=(VELOCITY,),
     rest=VELOCITY.issue(((0.0, 0.0, 0.0),), {}),
     propositions=(
-        PropositionSpec(name="altitude", kind="numeric", unit="m"),
-        PropositionSpec(name="max_altitude", kind="numeric", unit="m"),
-        PropositionSpec(name="linear_velocity", kind="numeric", unit="m/s"),
-        PropositionSpec(name="velocity_change", kind="numeric", unit="m/s"),
+        PropositionSpec(name="altitude", kind="numeric", unit="m", minimum=0.0),
+        PropositionSpec(name="max_altitude", kind="numeric", unit="m", minimum=0.0),
+        PropositionSpec(name="linear_velocity", kind="numeric", unit="m/s", minimum=0.0),
+        PropositionSpec(name="velocity_change", kind="numeric", unit="m/s", minimum=0.0),
     ),
     dynamics=Px4Dynamics(),
+    response=RESPONSE,
     trajectory="set_velocity",
     history_names=("plan", "trajectory", "traj", "vel_traj", "velocities", "history"),
     current_names=("v", "velocity", "current", "curr", "vel", "cmd"),
