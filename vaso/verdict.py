@@ -201,6 +201,7 @@ class VerificationResult:
         problem: Set when the plan could not be compiled or explored completely.
         warnings: Remarks on the plan, such as an uncaught exception that ends it.
         system: The transition system, where there is one.
+        from_memo: True where this result was found by an earlier verification of the same content.
     """
 
     specs: tuple[SpecResult, ...]
@@ -211,6 +212,7 @@ class VerificationResult:
     problem: Problem | None = None
     warnings: tuple[str, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
+    from_memo: bool = field(default=False, compare=False)
 
     @property
     def verdict(self) -> Verdict:
@@ -254,6 +256,7 @@ class VerificationResult:
                 "line": self.problem.line,
             },
             "warnings": list(self.warnings),
+            "from_memo": self.from_memo,
         }
 
     def _repr_html_(self) -> str:
