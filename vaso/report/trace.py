@@ -101,9 +101,9 @@ def marks_of(blame: Blame | None) -> dict[int, str]:
 
 
 def short_sensor(name: str) -> str:
-    """``yolo_listener('people')`` as ``people``."""
-    match = re.fullmatch(r"\w+\((['\"])(.+)\1\)", name)
-    return match.group(2) if match else name
+    """``yolo_listener('people')`` as ``people``; what is in front of a dot stays."""
+    match = re.fullmatch(r"((?:\w+\.)*)\w+\((['\"])(.+)\2\)", name)
+    return f"{match.group(1)}{match.group(3)}" if match else name
 
 
 def short_call(call: str) -> str:
