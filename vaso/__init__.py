@@ -29,8 +29,12 @@ _EXPORTS = {
     "Counterexample": "vaso.verdict",
     "VerificationResult": "vaso.verdict",
     "verify": "vaso.verification",
+    "compose": "vaso.concurrency",
+    "preempt": "vaso.concurrency",
+    "Member": "vaso.concurrency",
     "check": "vaso.feasibility",
     "satisfiable": "vaso.feasibility",
+    "realizability": "vaso.synthesis",
     "TextualGradient": "vaso.gradient",
     "textual_gradient": "vaso.gradient",
     "optimize": "vaso.optimizers",
@@ -40,6 +44,7 @@ _EXPORTS = {
 
 __all__ = [
     "Counterexample",
+    "Member",
     "OptimizationResult",
     "Plan",
     "Platform",
@@ -53,11 +58,14 @@ __all__ = [
     "__version__",
     "check",
     "compile_plan",
+    "compose",
     "get_platform",
     "load_skill",
     "load_tasks",
     "optimize",
+    "preempt",
     "read_skills",
+    "realizability",
     "satisfiable",
     "shipped_skills",
     "textual_gradient",
@@ -66,6 +74,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
+    from vaso.concurrency import Member, compose, preempt
     from vaso.errors import VasoError
     from vaso.feasibility import check, satisfiable
     from vaso.gradient import TextualGradient, textual_gradient
@@ -74,6 +83,7 @@ if TYPE_CHECKING:
     from vaso.platforms import Platform, get_platform
     from vaso.skill import Rule, Skill, shipped_skills
     from vaso.skill_file import load_skill, load_tasks, read_skills, write_skill
+    from vaso.synthesis import realizability
     from vaso.verdict import Counterexample, Verdict, VerificationResult
     from vaso.verification import verify
 

@@ -7,7 +7,20 @@ from typing import Annotated
 import typer
 
 from vaso import __version__
-from vaso.cli import bench, check, compare, demo, optimize, plan, sat, show, skills, verify
+from vaso.cli import (
+    bench,
+    check,
+    compare,
+    compose,
+    demo,
+    optimize,
+    plan,
+    sat,
+    show,
+    skills,
+    synthesize,
+    verify,
+)
 
 app = typer.Typer(
     name="vaso",
@@ -40,8 +53,10 @@ def options(
 for command in (
     check.check,
     verify.verify,
+    compose.compose,
     sat.sat,
     plan.plan,
+    synthesize.synthesize,
     optimize.optimize,
     compare.compare,
     show.show,

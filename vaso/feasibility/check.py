@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from vaso.feasibility.conflict import Conflict, find_conflict
@@ -18,6 +19,9 @@ from vaso.verifiers.engine import SMVEngine
 
 __all__ = ["check"]
 
+SYNTHESIS_SECONDS = 5.0
+"""Longest time for level (c)."""
+
 _Triggers = Sequence[tuple[Rule, Trigger]]
 
 
@@ -27,24 +31,29 @@ def check(
     platform: str | Path | Platform | None = None,
     timeout: float = 10.0,
     engine: SMVEngine | None = None,
+    realizable: bool | None = None,
 ) -> FeasibilityResult:
     """Check that the contract of a skill can be kept.
 
     What is checked are all rules together: global, local, and the assumptions, which restrict the
     behaviours that count. Level (a) asks for some behaviour that keeps them, every proposition
     being free (the paper's check). Level (b) asks, under the platform's action exclusions, for such
-    a behaviour for each trigger of a rule, in which that trigger occurs.
+    a behaviour for each trigger of a rule, in which that trigger occurs. Level (c) asks for a plan
+    that keeps all rules whatever the sensors show; it needs the extra ``synthesis``.
 
     Args:
         skill: The skill.
         platform: Its platform, if not the one that the skill names.
         timeout: Seconds for the whole check. What is not decided by then counts as not feasible.
         engine: The model checker; PyNuSMV by default.
+        realizable: Whether to check level (c); by default where the extra is installed and the
+            other levels hold.
 
     Returns:
-        The result, truthy only if both levels hold.
+        The result, truthy only if no level fails and the first two hold.
 
     Raises:
+        MissingDependencyError: Level (c) is asked for, and the extra is not installed.
         SkillError: An assumption speaks about something that the robot decides.
         FormulaError: A name is used both as a truth value and as a number.
         PlatformError: There is no such platform.
@@ -62,7 +71,37 @@ def check(
     rules = skill.rules + skill.assumptions
     free = Search(timeout=timeout, engine=engine)
     among = Search(exclusions=on.exclusions, timeout=timeout, engine=engine)
-    return _Levels(free, among, rules, found).result(skill, started)
+    result = _Levels(free, among, rules, found).result(skill, started)
+    left = timeout - (time.perf_counter() - started)
+    return _with_plans(result, skill, on, realizable, min(left, SYNTHESIS_SECONDS), started)
+
+
+def _with_plans(
+    result: FeasibilityResult,
+    skill: Skill,
+    platform: Platform,
+    wanted: bool | None,
+    seconds: float,
+    started: float,
+) -> FeasibilityResult:
+    """The result with level (c), if it is wanted and can be had."""
+    from vaso.synthesis import is_installed, realizability
+
+    if wanted is None and result.feasible is False:
+        return replace(result, unchecked="not asked: no behaviour keeps the rules")
+    if wanted is False:
+        return replace(result, unchecked="not checked")
+    if wanted is None and not is_installed():
+        return replace(result, unchecked="not checked: uv sync --extra synthesis installs it")
+    if wanted is None and seconds <= 0:
+        return replace(result, unchecked="not checked: out of time")
+    found = realizability(skill, platform=platform, timeout=max(seconds, 0.1))
+    return replace(
+        result,
+        realizability=found,
+        feedback=result.feedback or found.feedback,
+        seconds=time.perf_counter() - started,
+    )
 
 
 class _Levels:

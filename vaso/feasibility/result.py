@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vaso.feasibility.conflict import Conflict
 from vaso.feasibility.satisfiability import SatResult
 from vaso.feasibility.witness import Witness
+
+if TYPE_CHECKING:
+    from vaso.synthesis.result import Realizability
 
 __all__ = ["Exercise", "FeasibilityResult"]
 
@@ -55,7 +58,9 @@ class FeasibilityResult:
         conflict: Where a level fails: the rules that cannot be kept together.
         feedback: The sentence for the author of the skill; empty unless infeasible.
         assumptions: The assumptions on the environment that were taken for granted.
-        realizable: Level (c), against every behaviour of the sensors: not checked.
+        realizability: Level (c): some plan keeps all rules, whatever the sensors show. None where
+            it was not checked.
+        unchecked: Why level (c) was not checked.
         reason: Why a level could not be decided.
         seconds: Wall time.
     """
@@ -68,19 +73,32 @@ class FeasibilityResult:
     conflict: Conflict | None = None
     feedback: str = ""
     assumptions: tuple[str, ...] = ()
-    realizable: bool | None = None
+    realizability: Realizability | None = None
+    unchecked: str = ""
     reason: str = ""
     seconds: float = 0.0
 
     @property
+    def realizable(self) -> bool | None:
+        """Level (c), None where it is not known."""
+        return self.realizability.realizable if self.realizability is not None else None
+
+    @property
     def feasible(self) -> bool | None:
-        """False if a level fails, True if both hold, None where that is not known."""
+        """False if a level fails, True if (a) and (b) hold, None where that is not known.
+
+        Level (c) counts where it is decided; that it is not leaves (a) and (b) as they are.
+        """
         levels = (self.satisfiable.sat, self.exercisable)
-        return False if False in levels else None if None in levels else True
+        if False in (*levels, self.realizable):
+            return False
+        return None if None in levels else True
 
     @property
     def core(self) -> tuple[str, ...]:
         """The conflicting rules in canonical text; empty unless infeasible."""
+        if self.conflict is None and self.realizability is not None:
+            return tuple(str(rule) for rule in self.realizability.core)
         return self.conflict.core if self.conflict else ()
 
     def __bool__(self) -> bool:
@@ -94,14 +112,21 @@ class FeasibilityResult:
             f"{self.skill}: {_VERDICTS[self.feasible]}",
             f"  (a) satisfiable: {_WORDS[self.satisfiable.sat]}",
             f"  (b) with every trigger exercised: {_WORDS[self.exercisable]}{count}",
-            f"  (c) realizable: {_WORDS[self.realizable]} (not checked)",
+            f"  (c) realizable: {_WORDS[self.realizable]}{self._remark()}",
         ]
         lines += [f"  assuming {a}" for a in self.assumptions]
         lines += [f"  {self.reason}"] if self.reason else []
         if self.conflict:
             told = [self.feedback, *self.conflict.explanation().splitlines()]
             lines += ["", *(f"  {line}" for line in told)]
+        elif self.feedback:
+            lines += ["", f"  {self.feedback}"]
         return "\n".join(lines)
+
+    def _remark(self) -> str:
+        found = self.realizability
+        reason = self.unchecked if found is None else found.reason
+        return f" ({reason})" if reason else ""
 
     def to_json(self) -> dict[str, Any]:
         """Plain data for ``--json``."""
@@ -112,7 +137,9 @@ class FeasibilityResult:
             "exercisable": self.exercisable,
             "triggers": [t.to_json() for t in self.triggers],
             "witness": self.witness.to_json() if self.witness else None,
-            "realizable": {"value": self.realizable, "reason": "not checked"},
+            "realizable": self.realizability.to_json()
+            if self.realizability is not None
+            else {"value": None, "reason": self.unchecked},
             "conflict": self.conflict.to_json() if self.conflict else None,
             "core": list(self.core),
             "feedback": self.feedback,

@@ -1,15 +1,19 @@
-"""``repair``: symbolic, no language model. Edits of the plan template, the smallest first."""
+"""``repair``: symbolic, no language model. Edits of the plan template, the smallest first.
+
+A local rule that no plan can keep is refined first.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from vaso.feasibility import check
 from vaso.gradient.edits import propose_edits
 from vaso.optimizers.base import Proposal, State
 from vaso.verdict import SpecResult
 
-TEXT = "plan_template"
+TEXT, RULE = "plan_template", "local_rule"
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,9 @@ class Repair:
     deterministic: bool = True
 
     def propose(self, state: State) -> Iterator[Proposal]:
-        """Yield edits."""
+        """Yield edits: of the local rule where no plan can keep it, then of the template."""
+        if RULE in state.params.trainable:
+            yield from _refined(state)
         level = [Proposal({TEXT: state.params[TEXT]})]
         for _ in range(self.size if TEXT in state.params.trainable else 0):
             found: list[Proposal] = []
@@ -53,6 +59,14 @@ class Repair:
         for edit in propose_edits(text, skill=state.params.skill, failures=failures, size=1):
             note = "; ".join(n for n in (base.note, edit.description) if n)
             yield Proposal({TEXT: edit.after}, note, goal="verified")
+
+
+def _refined(state: State) -> Iterator[Proposal]:
+    """The smallest change of the local rule after which some plan can keep the contract."""
+    found = check(state.params.skill).realizability
+    if found is not None and found.refinement is not None:
+        edit = found.refinement.edit(state.params[RULE])
+        yield Proposal({RULE: edit.after}, edit.description)
 
 
 def _score(proposal: Proposal) -> float:

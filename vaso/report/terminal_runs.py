@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from vaso.report.terminal import DIFF, diff_view
+from vaso.report.terminal_synthesis import defeat_views
 
 if TYPE_CHECKING:
     from vaso.feasibility.result import FeasibilityResult
@@ -32,6 +33,8 @@ def feasibility_view(result: FeasibilityResult) -> Group:
         parts.append(Text(f"why: {result.reason}", style="yellow"))
     if result.conflict:
         parts += [Text(result.feedback, style="bold red"), Text(result.conflict.explanation())]
+    elif result.realizability is not None:
+        parts += defeat_views(result.realizability)
     return Group(*parts)
 
 
@@ -59,7 +62,26 @@ def _levels(result: FeasibilityResult) -> Table:
         if trigger.sat is not True:
             words = {False: "cannot occur without a rule being broken", None: "not decided"}
             table.add_row("", f"{trigger.trigger}: {words[trigger.sat]}")
+    table.add_row(Text(*YES_NO[result.realizable]), "some plan keeps all rules, whatever is sensed")
+    for remark in _remarks(result):
+        table.add_row("", Text(remark, style="dim"))
     return table
+
+
+def _remarks(result: FeasibilityResult) -> Iterator[str]:
+    """What to know about the last level."""
+    found = result.realizability
+    if found is None:
+        yield result.unchecked
+        return
+    if found.reason:
+        yield found.reason
+    for outside in found.outside:
+        yield f"outside GR(1): {outside.rule}: {outside.reason}"
+    if found.origin == "synthesized":
+        yield "`vaso synthesize` shows one"
+    if found.origin == "template":
+        yield "the skill's plan template does"
 
 
 def optimization_view(result: OptimizationResult) -> Group:

@@ -1,0 +1,297 @@
+"""The process that solves games with omega and binary decision diagrams.
+
+A program of its own, so that a game that is too large can be ended from outside. Reads requests
+from standard input, one JSON object a line, and answers each with one line on standard output.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import io
+import json
+import operator
+import sys
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from omega.games import gr1
+from omega.symbolic import fixpoint, prime, temporal
+
+MAX_NODES = 20_000
+
+
+class Encoded:
+    """A game as diagrams, for the robot's side or, ``dual``, for the side of the sensors.
+
+    The robot chooses its output and the sensors answer, so the robot plays Moore, and the sensors
+    Mealy. Codes beyond the number of inputs or outputs stand for the first input or no output.
+    """
+
+    def __init__(self, game: dict[str, Any], *, dual: bool = False) -> None:
+        self.game, self.dual = game, dual
+        self.monitors = game["assumptions"] + game["rules"]
+        streett, rabin = temporal.default_streett_automaton, temporal.default_rabin_automaton
+        self.aut = rabin() if dual else streett()
+        self.given = _bits("e", game["inputs"])
+        self.done = _bits("a", game["outputs"])
+        self.states = [_bits(f"q{i}", len(m["after"])) for i, m in enumerate(self.monitors)]
+        ours = [*self.done, *(b for bits in self.states for b in bits)]
+        self.aut.declare_variables(**dict.fromkeys([*self.given, *ours], "bool"))
+        sides = ("sys", "env") if dual else ("env", "sys")
+        self.aut.varlist = {sides[0]: list(self.given), sides[1]: ours}
+        self.aut.action[sides[0]] = self.aut.true
+        self.aut.action[sides[1]] = self._moves()
+        self.start = self._any(self._code(self.done, a) for a in game["rest"])
+        for bits in self.states:
+            self.start &= self._code(bits, 0)
+        self.aut.init[sides[0]], self.aut.init[sides[1]] = self.aut.true, self.start
+        self.aut.moore, self.aut.qinit = not dual, r"\A \E" if dual else r"\E \A"
+        self._winning()
+
+    # --- diagrams ------------------------------------------------------------------------------
+
+    def _any(self, parts: Iterable[Any]) -> Any:
+        return functools.reduce(operator.or_, parts, self.aut.false)
+
+    def _all(self, parts: Iterable[Any]) -> Any:
+        return functools.reduce(operator.and_, parts, self.aut.true)
+
+    def _code(self, bits: Sequence[str], number: int, mark: str = "") -> Any:
+        cube = {f"{b}{mark}": bool(number >> i & 1) for i, b in enumerate(bits)}
+        return self.aut.bdd.cube(cube) if cube else self.aut.true
+
+    @functools.cached_property
+    def _inputs(self) -> list[Any]:
+        """The codes of each input; those left over count as the first input."""
+        exact = [self._code(self.given, e) for e in range(self.game["inputs"])]
+        return [exact[0] | ~self._any(exact), *exact[1:]]
+
+    @functools.cached_property
+    def _outputs(self) -> list[Any]:
+        return [self._code(self.done, a) for a in range(self.game["outputs"])]
+
+    @functools.cached_property
+    def _atoms(self) -> list[Any]:
+        return [self._atom(table) for table in self.game["atoms"]]
+
+    def _atom(self, table: dict[str, Any]) -> Any:
+        if table["input"] is not None:
+            return self._where(self._inputs, table["input"])
+        if table["output"] is not None:
+            return self._where(self._outputs, table["output"])
+        rows = (self._where(self._outputs, row) for row in table["both"])
+        return self._any(e & row for e, row in zip(self._inputs, rows, strict=True))
+
+    def _where(self, codes: Sequence[Any], values: Sequence[bool]) -> Any:
+        return self._any(c for c, value in zip(codes, values, strict=True) if value)
+
+    def _moves(self) -> Any:
+        """The next output is usable, and every monitor takes the step that it must."""
+        usable = self._any(self._code(self.done, a, "'") for a in self.game["usable"])
+        steps = [self._steps(m, bits) for m, bits in zip(self.monitors, self.states, strict=True)]
+        return self._all([usable, *steps])
+
+    def _steps(self, monitor: dict[str, Any], bits: Sequence[str]) -> Any:
+        names = [self._atoms[i] for i in monitor["atoms"]]
+        letters = [
+            self._all(n if v else ~n for n, v in zip(names, letter, strict=True))
+            for letter in monitor["letters"]
+        ]
+        at = [self._code(bits, s) for s in range(len(monitor["after"]))]
+        found = self.aut.true
+        for i, bit in enumerate(bits):
+            on = self._any(
+                at[s] & letters[c]
+                for s, row in enumerate(monitor["after"])
+                for c, target in enumerate(row)
+                if target >> i & 1
+            )
+            found &= self.aut.bdd.apply("<=>", self.aut.bdd.var(f"{bit}'"), on)
+        return found
+
+    def _winning(self) -> None:
+        accepting = [
+            self._any(self._code(bits, s) for s, good in enumerate(m["accepting"]) if good)
+            for m, bits in zip(self.monitors, self.states, strict=True)
+        ]
+        count = len(self.game["assumptions"])
+        assumed, rules = accepting[:count], accepting[count:]
+        safety = [m["safety"] for m in self.game["rules"]]
+        kept = self._all(a for a, safe in zip(rules, safety, strict=True) if safe)
+        goals = [kept, *(a for a, safe in zip(rules, safety, strict=True) if not safe)]
+        if self.dual:
+            self.aut.win["<>[]"] = [~g for g in goals]
+            self.aut.win["[]<>"] = _at_least(2, assumed or [self.aut.true])
+        else:
+            self.aut.win["<>[]"] = [~a for a in assumed] or [self.aut.false]
+            self.aut.win["[]<>"] = _at_least(2, goals)
+
+    # --- answers -------------------------------------------------------------------------------
+
+    def solve(self) -> bool:
+        """Whether the player wins from the start."""
+        if self.dual:
+            self.solution = gr1.solve_rabin_game(self.aut)
+            self.region = self.solution[0][-1]
+        else:
+            self.solution = gr1.solve_streett_game(self.aut)
+            self.region = self.solution[0]
+        with contextlib.redirect_stdout(io.StringIO()):
+            return bool(gr1.is_realizable(self.region, self.aut))
+
+    def first_choices(self) -> list[list[int]]:
+        """For each input in state 0, the outputs of state 1 after which the robot still wins."""
+        sys_moves = self.aut.action["sys"] & prime.prime(self.region, self.aut)
+        good = self.aut.forall(self.aut.varlist["env'"], sys_moves)
+        good = self.aut.exist([f"{b}'" for bits in self.states for b in bits], good & self.start)
+        return [
+            [a for a in self.game["usable"] if self._meets(good, e, a)]
+            for e in range(self.game["inputs"])
+        ]
+
+    def _meets(self, relation: Any, given: int, done: int) -> bool:
+        choice = self._code(self.given, given) & self._code(self.done, done, "'")
+        return bool((relation & choice) != self.aut.false)
+
+    def machine(self) -> dict[str, Any] | None:
+        """The winner's strategy as explicit states; None if there are too many."""
+        make = gr1.make_rabin_transducer if self.dual else gr1.make_streett_transducer
+        with contextlib.redirect_stdout(io.StringIO()):
+            make(*self.solution, self.aut)
+        return (_Sensors if self.dual else _Robot)(self).machine()
+
+
+class _Extraction:
+    """Follows a strategy from state to state."""
+
+    def __init__(self, encoded: Encoded) -> None:
+        self.encoded, self.aut = encoded, encoded.aut
+        self.memory = [v for v in self.aut.varlist["impl"] if v.startswith("_")]
+        bits = [b for v in self.memory for b in self.aut.vars[v]["bitnames"]]
+        self.kept = [*(b for s in encoded.states for b in s), *bits]
+
+    def cube(self, names: Sequence[str], values: Sequence[bool]) -> Any:
+        return self.aut.bdd.cube(dict(zip(names, values, strict=True)))
+
+    def picks(self, relation: Any, names: Sequence[str]) -> list[tuple[bool, ...]]:
+        """The values of some variables in a relation, all others being free."""
+        rest = self.aut.bdd.support(relation) - {*names}
+        relation = self.aut.bdd.exist(rest, relation)
+        found = self.aut.bdd.pick_iter(relation, care_vars=set(names))
+        return [tuple(one[n] for n in names) for one in found]
+
+
+class _Robot(_Extraction):
+    """The robot's strategy: a state says what is executed, and what follows each input."""
+
+    def machine(self) -> dict[str, Any] | None:
+        game, given, done = self.encoded.game, self.encoded.given, self.encoded.done
+        start = [*done, *self.kept]
+        init = self.aut.init["impl"] & self.encoded.start
+        first = self.picks(self.aut.forall(given, init), start)[0]
+        relation = self.aut.action["impl"]
+        primed = [f"{n}'" for n in start]
+        index, after = {first: 0}, []
+        queue = [first]
+        for node in queue:
+            row = []
+            here = relation & self.cube(start, node)
+            for e in range(game["inputs"]):
+                choices = here & self.encoded._code(given, e)
+                target = min(self.picks(choices, primed), key=self._rank)
+                if target not in index:
+                    index[target] = len(index)
+                    queue.append(target)
+                row.append(index[target])
+            after.append(row)
+            if len(queue) > MAX_NODES:
+                return None
+        outputs = [_number(node[: len(done)]) for node in index]
+        return {"outputs": outputs, "after": after}
+
+    def _rank(self, node: tuple[bool, ...]) -> tuple[int, tuple[bool, ...]]:
+        order = self.encoded.game.get("order", self.encoded.game["usable"])
+        return order.index(_number(node[: len(self.encoded.done)])), node
+
+
+class _Sensors(_Extraction):
+    """The sensors' strategy: what they show in answer to each output."""
+
+    def machine(self) -> dict[str, Any] | None:
+        game, given, done = self.encoded.game, self.encoded.given, self.encoded.done
+        whole = [*given, *done, *self.kept]
+        own = [*given, *self.kept]
+        relation = self.aut.action["impl"] & self.encoded._moves()
+        primed = [f"{n}'" for n in own]
+        queue: list[tuple[bool, ...]] = []
+        index: dict[tuple[bool, ...], int] = {}
+        inputs: list[int] = []
+
+        def number(node: tuple[bool, ...]) -> int:
+            if node not in index:
+                index[node] = len(queue)
+                queue.append(node)
+                inputs.append(self._input(node[: len(given)]))
+            return index[node]
+
+        start, after = {}, []
+        for a in game["rest"]:
+            init = self.aut.init["impl"] & self.encoded.start & self.encoded._code(done, a)
+            start[a] = number(min(self.picks(init & self.encoded.region, whole)))
+        for node in queue:
+            here = relation & self.cube(whole, node)
+            row = {}
+            for a in game["usable"]:
+                answer = min(self.picks(here & self.encoded._code(done, a, "'"), primed))
+                code = tuple(bool(a >> i & 1) for i in range(len(done)))
+                row[a] = number((*answer[: len(given)], *code, *answer[len(given) :]))
+            after.append(row)
+            if len(queue) > MAX_NODES:
+                return None
+        return {"inputs": inputs, "start": start, "after": after}
+
+    def _input(self, code: Sequence[bool]) -> int:
+        number = _number(code)
+        return number if number < self.encoded.game["inputs"] else 0
+
+
+def _bits(name: str, count: int) -> list[str]:
+    return [f"{name}_{i}" for i in range(max(1, (count - 1).bit_length()))]
+
+
+def _number(code: Sequence[bool]) -> int:
+    return sum(1 << i for i, bit in enumerate(code) if bit)
+
+
+def _at_least(count: int, goals: list[Any]) -> list[Any]:
+    """The goals, one repeated where they are fewer: a counter of goals needs a range."""
+    return goals + goals[:1] * (count - len(goals))
+
+
+def answer(request: dict[str, Any]) -> dict[str, Any]:
+    """Decide a game; the winner's strategy if that is asked for."""
+    robot = Encoded(request["game"])
+    if robot.solve():
+        found: dict[str, Any] = {"realizable": True, "first": robot.first_choices()}
+        return found | ({"machine": robot.machine()} if request["machine"] else {})
+    found = {"realizable": False}
+    if request["machine"]:
+        sensors = Encoded(request["game"], dual=True)
+        assert sensors.solve(), "neither side wins"
+        found["machine"] = sensors.machine()
+    return found
+
+
+def main() -> None:
+    """Serve requests until standard input ends."""
+    answers = sys.stdout
+    sys.stdout = sys.stderr
+    for line in sys.stdin:
+        answers.write(json.dumps(answer(json.loads(line))) + "\n")
+        answers.flush()
+
+
+if __name__ == "__main__":
+    fixpoint.logger.disabled = True
+    main()
