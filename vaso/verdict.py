@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vaso.plan.transition_system import Label, Scalar
+
+if TYPE_CHECKING:
+    from vaso.dynamics.result import BetweenSamples
 
 ALMOST = 1.0 - 1e-6
 """The greatest score of what is not verified."""
@@ -201,6 +204,7 @@ class VerificationResult:
         problem: Set when the plan could not be compiled or explored completely.
         warnings: Remarks on the plan, such as an uncaught exception that ends it.
         system: The transition system, where there is one.
+        between: For each numeric rule, the verdict between samples (``verdict`` is about samples).
         from_memo: True where this result was found by an earlier verification of the same content.
     """
 
@@ -212,6 +216,7 @@ class VerificationResult:
     problem: Problem | None = None
     warnings: tuple[str, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
+    between: tuple[BetweenSamples, ...] = ()
     from_memo: bool = field(default=False, compare=False)
 
     @property
@@ -256,6 +261,7 @@ class VerificationResult:
                 "line": self.problem.line,
             },
             "warnings": list(self.warnings),
+            "between": [b.to_json() for b in self.between],
             "from_memo": self.from_memo,
         }
 

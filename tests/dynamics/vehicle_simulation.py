@@ -67,7 +67,7 @@ class Vehicle:
 
     def _approach(self, parts, setpoint, lag, limit, seconds):
         error = before = math.hypot(*(setpoint[i] - self.velocity[i] for i in parts))
-        pieces = min(64, math.ceil(8 * seconds / lag)) if lag else 1
+        pieces = math.ceil(min(64.0, 8 * seconds / lag)) if lag else 1
         for _ in range(pieces):
             error = _midpoint(error, lag, limit, seconds / pieces)
         for i in parts:
@@ -91,7 +91,7 @@ def _midpoint(error, lag, limit, seconds):
     def rate(left):
         return min(left / lag if lag else math.inf, limit)
 
-    if error <= 0 or math.isinf(rate(error)) or lag and seconds > lag:
+    if error <= 0 or math.isinf(rate(error)) or (lag and seconds > lag):
         return 0.0
     middle = max(0.0, error - rate(error) * seconds / 2)
     return max(0.0, error - (rate(middle) if lag else limit) * seconds)

@@ -52,6 +52,8 @@ class Open:
         bounds: What is known of its numbers over all instants.
         verdict: The verdict so far.
         reason: Why it is not decided.
+        place: Where it is broken.
+        in_time: False where the time was too short to decide.
     """
 
     rule: Invariant
@@ -60,6 +62,7 @@ class Open:
     verdict: Verdict = Verdict.UNKNOWN
     reason: str = "the bounds are too wide"
     place: _Place | None = None
+    in_time: bool = True
 
     @property
     def names(self) -> list[str]:
@@ -75,10 +78,10 @@ class Open:
         """Nothing can be said."""
         self.verdict, self.reason = Verdict.UNSUPPORTED, why
 
-    def give_up(self, why: str) -> None:
+    def out_of_time(self, seconds: float) -> None:
         """Leave it undecided, if it is."""
         if self.is_open:
-            self.reason = why
+            self.reason, self.in_time = f"it takes more than {seconds:g} s", False
 
     def witness(self, units: Mapping[str, str]) -> Witness | None:
         """Where the rule is broken."""

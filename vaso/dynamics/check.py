@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vaso.dynamics.analysis import Analysis, Open
@@ -21,7 +21,7 @@ from vaso.verifiers.base import Verifier
 
 __all__ = ["Sampled", "between_samples"]
 
-_STILL = "its numbers are about set-points, which do not change inside a period"
+_STILL = "set-points do not change inside a period"
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,7 @@ def _decide(
         Analysis(system, response, setpoints, verifier, deadline).decide(todo)
     except OutOfTimeError:
         for rule in todo:
-            rule.give_up(f"it takes more than {seconds:g} s")
+            rule.out_of_time(seconds)
 
 
 def _result(
@@ -125,8 +125,8 @@ def _result(
     units = {p.name: p.unit for p in robot.propositions}
     bounds = tuple(Bound(n, *span, units.get(n, "")) for n, span in sorted(found.bounds.items()))
     witness = found.witness(units) if found.verdict is Verdict.FAIL else None
-    given: Mapping[str, object] = {"bounds": bounds, "witness": witness, "reason": reason}
-    return _with(sampled, found.verdict, vehicle, **given)
+    rest: dict[str, object] = {"bounds": bounds, "witness": witness, "reason": reason}
+    return _with(sampled, found.verdict, vehicle, **rest, in_time=found.in_time)
 
 
 def _refused(sampled: Sampled, why: str, vehicle: str) -> BetweenSamples:

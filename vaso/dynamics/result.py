@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 from vaso.verdict import Verdict
 
 __all__ = ["BetweenSamples", "Bound", "Witness"]
+
+DIGITS, TINY = 1e4, 1e-4
+"""Bounds are shown with four decimals; what is less than a rounding error is not rounded up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,6 +71,7 @@ class BetweenSamples:
         reason: Why, where neither a bound nor a witness says so.
         english: The rule in plain English.
         assumptions: Assumptions on the environment that a PASS needs.
+        in_time: False where the time was too short to decide.
     """
 
     spec: str
@@ -77,13 +82,14 @@ class BetweenSamples:
     reason: str = ""
     english: str = ""
     assumptions: tuple[str, ...] = ()
+    in_time: bool = True
 
     @property
     def text(self) -> str:
         """The finding in one plain line."""
         if self.witness is not None:
             return _violated(self.witness)
-        told = "; ".join(filter(None, map(_range, self.bounds)))
+        told = ", ".join(filter(None, map(_range, self.bounds)))
         if self.verdict is Verdict.PASS:
             told = self.reason or told
             return f"{self.english}, inside every period too" + (f" ({told})" if told else "")
@@ -126,10 +132,11 @@ def _violated(found: Witness) -> str:
 
 
 def _range(bound: Bound) -> str:
+    """A bound in words, rounded outwards; that a number is not negative goes without saying."""
     low, high = _finite(bound.least), _finite(bound.greatest)
-    parts = [f"at least {low:.4g}{_unit(bound.unit)}"] if low else []
-    parts += [f"at most {high:.4g}{_unit(bound.unit)}"] if high is not None else []
-    return f"{bound.name} {', '.join(parts)}" if parts else ""
+    parts = [f"at least {math.floor(low * DIGITS + TINY) / DIGITS:g}"] if low else []
+    parts += [f"at most {math.ceil(high * DIGITS - TINY) / DIGITS:g}"] if high is not None else []
+    return f"{bound.name} {' and '.join(parts)}{_unit(bound.unit)}" if parts else ""
 
 
 def _unit(unit: str) -> str:
@@ -137,4 +144,4 @@ def _unit(unit: str) -> str:
 
 
 def _finite(value: float) -> float | None:
-    return value if abs(value) < float("inf") else None
+    return value if math.isfinite(value) else None

@@ -78,7 +78,12 @@ def _verifier(skill: Skill, platform: str | Platform | None) -> Verify:
 
     budget = Budget(seconds=CANDIDATE_SECONDS)
     return lambda plan: verify(
-        skill, plan, platform=platform, budget=budget, timeout=CANDIDATE_SECONDS
+        skill,
+        plan,
+        platform=platform,
+        budget=budget,
+        timeout=CANDIDATE_SECONDS,
+        between=False,
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from vaso.plan.transition_system import TransitionSystem
+from vaso.report.between import between_section
 from vaso.report.listing import listing
 from vaso.report.markup import Markup, el, join
 from vaso.report.page import page
@@ -99,6 +100,7 @@ def verification_parts(result: VerificationResult) -> Iterable[Markup]:
     yield verdict_facts(result)
     yield problem_banner(result)
     yield rule_rows(result.specs)
+    yield between_section(result.between)
     if any(s.counterexample for s in result.specs):
         yield el("h2", "What the plan can do wrong")
         yield violations(result)

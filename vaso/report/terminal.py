@@ -16,6 +16,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from vaso.report.between import between_views
 from vaso.report.trace import Row, blame_of, marks_of, seconds, trace_table
 from vaso.verdict import Counterexample, SpecResult, Verdict, VerificationResult
 
@@ -50,6 +51,7 @@ def verification_view(result: VerificationResult, *, counterexamples: bool = Tru
         parts += [Text(result.problem.message, style="bold red"), *_where(result)]
     if result.specs:
         parts.append(rules_table(result))
+    parts += between_views(result.between)
     parts.append(summary(result))
     parts += [Text(f"note: {w}", style="yellow") for w in result.warnings]
     if counterexamples:

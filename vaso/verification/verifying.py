@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from vaso.dynamics.result import BetweenSamples
 from vaso.errors import LabellingError, PlanError, UnsupportedPlanError
 from vaso.ltl import Formula, ParsedFormula, parse_with_warnings, to_english
 from vaso.plan.explore import Budget, compile_plan
@@ -35,6 +36,7 @@ def verify(
     budget: Budget | None = None,
     timeout: float = 60.0,
     counterexamples: bool = True,
+    between: bool = True,
     on_progress: OnProgress | None = None,
 ) -> VerificationResult:
     """Check every rule of a skill on every behaviour of a plan.
@@ -52,6 +54,7 @@ def verify(
         budget: Bounds of the exploration.
         timeout: Seconds for model checking, all rules together.
         counterexamples: Whether to compute counterexamples.
+        between: Whether to bound numbers between samples as well.
         on_progress: Called now and then with ``exploring`` and the number of states found so far,
             then with ``checking`` and the number of rules.
 
@@ -94,6 +97,7 @@ def verify(
     results = tuple(
         r.decided(robot, f, task.counterexample(f)) for r, f in zip(rules, findings, strict=True)
     )
+    inside = _between_samples(task, findings, results) if between else ()
     undecided = any(r.verdict in (Verdict.UNKNOWN, Verdict.UNSUPPORTED) for r in results)
     return VerificationResult(
         specs=results,
@@ -104,7 +108,18 @@ def verify(
         problem=_incomplete(system) if undecided else None,
         warnings=(*system.warnings, *_remarks(system, undecided)),
         system=system,
+        between=inside,
     )
+
+
+def _between_samples(
+    task: Task, findings: Sequence[Finding], results: Sequence[SpecResult]
+) -> tuple[BetweenSamples, ...]:
+    from vaso.dynamics.check import Sampled, between_samples
+
+    pairs = zip(findings, results, strict=True)
+    rules = [Sampled(finding.formula, result, finding.needed) for finding, result in pairs]
+    return between_samples(task.system, rules, task.robot, task.checker.verifier)
 
 
 def _skill(skill: Skill | str) -> Skill:
