@@ -25,7 +25,7 @@ from vaso.plan.explore import Budget
 from vaso.plan.transition_system import Cut
 from vaso.skill import Rule
 from vaso.verdict import SpecResult, Verdict
-from vaso.verification.verifying import _Checked as Checked
+from vaso.verification.verifying import Checked
 from vaso.verifiers import Answer, Verifier
 
 __all__ = ["MOST_CHECKED", "Found", "Questions"]

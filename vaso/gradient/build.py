@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from vaso.concurrency.result import CompositionResult
 from vaso.errors import VasoError
 from vaso.gradient.blame import Blame, blame
 from vaso.gradient.model import PASS_TEXT, Edit, Level, TextualGradient
@@ -25,7 +26,7 @@ def textual_gradient(
     """Turn a verification result into feedback for the author of a skill.
 
     Args:
-        result: The result.
+        result: The result; of a composition, the feedback names the plan to change.
         skill: The skill; its platform says which propositions sensors decide.
         level: How much to say: ``verdict``, ``trace``, ``blame`` or ``repair``; each includes the
             ones before it.
@@ -35,6 +36,10 @@ def textual_gradient(
         ValueError: There is no such level.
     """
     level = Level(level)
+    if isinstance(result, CompositionResult):
+        from vaso.concurrency.gradient import joint_gradient
+
+        return joint_gradient(result, level=level)
     if result:
         return TextualGradient(level=level, score=result.safety, passed=True, verdict=PASS_TEXT)
     rank = list(Level).index(level)

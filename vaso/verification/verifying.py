@@ -73,7 +73,7 @@ def verify(
     started = time.perf_counter()
     skill, plan = _skill(skill), _plan(plan)
     robot = get_platform(platform or skill.platform)
-    rules = [*map(_Checked.rule, skill.rules), *map(_Checked.spec, specs)]
+    rules = [*map(Checked.rule, skill.rules), *map(Checked.spec, specs)]
     engine = get_verifier(verifier)
     try:
         system = compile_plan(
@@ -153,18 +153,18 @@ def _remarks(system: TransitionSystem, undecided: bool) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Checked:
+class Checked:
     """A formula to check, with its origin."""
 
     parsed: ParsedFormula
     role: str
 
     @classmethod
-    def rule(cls, rule: Rule) -> _Checked:
+    def rule(cls, rule: Rule) -> Checked:
         return cls(rule.parsed, rule.role)
 
     @classmethod
-    def spec(cls, spec: str | Formula | Rule) -> _Checked:
+    def spec(cls, spec: str | Formula | Rule) -> Checked:
         if isinstance(spec, Rule):
             return cls.rule(spec)
         if isinstance(spec, str):
