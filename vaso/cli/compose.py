@@ -133,9 +133,9 @@ def _group(text: str) -> str | list[str]:
 
 def _show(result: CompositionResult, html: Path | None, as_json: bool) -> None:
     if html:
-        from vaso.report.html import verification_html
+        from vaso.report.composition_html import composition_html
 
-        write_text(html, verification_html(result))
+        write_text(html, composition_html(result))
     if as_json:
         emit(result.to_json())
     else:

@@ -81,7 +81,7 @@ def joint_blame(example: JointCounterexample, result: CompositionResult) -> Join
             marks[name, plan] = found.lines
     head = ""
     if len(members) > 1:
-        head = f"Either plan can prevent it, that of {' or that of '.join(members)}.\n"
+        head = f"A change of any of these plans may prevent it: {', '.join(members)}.\n"
     return JointBlame(head + "\n".join(told), members, marks)
 
 

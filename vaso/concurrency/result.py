@@ -85,6 +85,11 @@ class JointCounterexample(Counterexample):
             step["members"] = {name: did.to_json() for name, did in pairs}
         return data
 
+    def _repr_html_(self) -> str:
+        from vaso.report.composition_html import joint_counterexample_cell
+
+        return joint_counterexample_cell(self)
+
     def __rich__(self) -> Any:
         from vaso.report.composition import joint_counterexample_view
 
@@ -150,9 +155,9 @@ class CompositionResult(VerificationResult):
         return {**super().to_json(), "mode": self.mode, "dt": self.dt, "members": members}
 
     def _repr_html_(self) -> str:
-        from vaso.report.cells import verification_cell
+        from vaso.report.composition_html import composition_cell
 
-        return verification_cell(self)
+        return composition_cell(self)
 
     def __rich__(self) -> Any:
         from vaso.report.composition import composition_view

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from rich import box
 from rich.console import Group, RenderableType
@@ -11,9 +12,14 @@ from rich.text import Text
 
 from vaso.concurrency.gradient import JointBlame, joint_blames
 from vaso.concurrency.result import CompositionResult, Doing, JointCounterexample
+from vaso.concurrency.schedule import TURN
 from vaso.report.terminal import plan_view, rule_text, summary, verdict_text
-from vaso.report.trace import Row, seconds, short_call, trace_table
+from vaso.report.trace import Row, TraceTable, seconds, short_call, trace_table
 from vaso.verdict import SpecResult
+
+WIDEST = 30
+"""Widest column of what a member does."""
+SKIPPED = "⋮"
 
 STEPS = {
     "synchronous": "all step together",
@@ -102,45 +108,101 @@ def _plans(
 
 def joint_counterexample_view(example: JointCounterexample) -> Table:
     """The steps of a counterexample: sensors, what each member does in which line, values."""
-    trace = trace_table(example)
+    headings, rows = joint_table(example)
+    acting = {f"{name} does" for name in example.members}
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
-    table.add_column("step", justify="right")
-    if example.timed:
-        table.add_column("time", justify="right", no_wrap=True)
-    for name in trace.sensors:
-        table.add_column(_broken(name if name == "turn" else f"{name}?"), overflow="fold")
-    for name in example.members:
-        table.add_column(f"{name} does", overflow="fold")
-        table.add_column("line", justify="right")
-    for name in trace.values:
-        table.add_column(_broken(name), overflow="fold")
-    table.add_column("", overflow="fold")
-    for row in trace.rows:
-        cells, style = _cells(example, row, len(trace.sensors) + len(trace.values))
-        table.add_row(*cells, style=style)
+    for number, name in enumerate(headings):
+        if name in ("step", "time"):
+            table.add_column(name, justify="right", no_wrap=True)
+        elif name in acting:
+            widest = max(len(name), *(len(cells[number]) for cells, _ in rows))
+            # A fixed width: rich crops a table whose columns have a least width.
+            table.add_column(name, overflow="fold", width=min(widest, WIDEST))
+        else:
+            table.add_column(_broken(name), overflow="fold")
+    for cells, violated in rows:
+        skipped = cells[0] == SKIPPED
+        table.add_row(*cells, style="bold red" if violated else "dim" if skipped else "")
     return table
 
 
-def _cells(example: JointCounterexample, row: Row, width: int) -> tuple[list[str], str]:
-    timed = [row.time] if example.timed else []
+def joint_table(example: JointCounterexample) -> tuple[list[str], list[tuple[list[str], bool]]]:
+    """A joint counterexample as text: headings, and cells with whether they are the violation."""
+    trace = trace_table(_decided(example))
+    shown = _active(example, trace)
+    sensors = [trace.sensors[index] for index in shown]
+    headings = [
+        "step",
+        *(["time"] if example.timed else []),
+        *(name if name == TURN else f"{name}?" for name in sensors),
+        *(f"{name} does" for name in example.members),
+        *trace.values,
+        "",
+    ]
+    rows = [(_cells(example, row, shown, len(headings)), row.violated) for row in trace.rows]
+    return headings, rows
+
+
+def _decided(example: JointCounterexample) -> JointCounterexample:
+    """The behaviour up to the step after which nothing can repair the violation."""
+    last = example.decided_at
+    if last is None or last + 1 >= len(example.steps):
+        return example
+    return replace(
+        example,
+        steps=example.steps[: last + 1],
+        doing=example.doing[: last + 1],
+        loop_start=last + 1,
+    )
+
+
+def _active(example: JointCounterexample, trace: TraceTable) -> list[int]:
+    """Columns of the sensors that a plan reads, the rule speaks of, or that are ever active."""
+    read = {name for step in example.steps for name, _ in step.reads}
+    shown = []
+    for index, name in enumerate(example.steps[0].sensors):
+        values = {step.sensors[name] for step in example.steps}
+        mirrored = {n for n in example.formula.split() if n in read}
+        if values != {False} or name in read or mirrored:
+            shown.append(index)
+    return shown if len(shown) < len(trace.sensors) else list(range(len(trace.sensors)))
+
+
+def _cells(example: JointCounterexample, row: Row, sensors: Sequence[int], width: int) -> list[str]:
     if row.skipped:
-        blank = [""] * (width + 2 * len(example.members))
-        return ["⋮", *[""] * len(timed), *blank, f"{row.skipped} more steps"], "dim"
-    doing = example.doing[row.step]
-    does = [cell for did in doing for cell in _does(did, first=row.step == 0)]
+        return [SKIPPED, *[""] * (width - 2), f"{row.skipped} more steps"]
+    timed = [row.time] if example.timed else []
+    does = [_does(did, first=row.step == 0) for did in example.doing[row.step]]
     step = f"↻ {row.steps}" if row.looping else row.steps
-    notes = "; ".join(row.notes)
-    style = "bold red" if row.violated else ""
-    return [step, *timed, *row.sensed, *does, *row.values, notes], style
+    sensed = [row.sensed[index] for index in sensors]
+    notes = "; ".join([*_new_notes(example, row), *_plain(example, row)])
+    return [step, *timed, *sensed, *does, *row.values, notes]
 
 
-def _does(doing: Doing, *, first: bool) -> tuple[str, str]:
-    """The call and its line; in brackets where the member has not moved."""
-    call = short_call(doing.api or ("(at rest)" if doing.line is None else doing.command))
-    line = "" if doing.line is None else str(doing.line)
-    if doing.plan:
-        line = f"{doing.plan} {line}".strip()
-    return (call if doing.moved or first or call.startswith("(") else f"({call})"), line
+def _does(doing: Doing, *, first: bool) -> str:
+    """The line and its call; in brackets where the member has not moved."""
+    if doing.line is None and not doing.api:
+        return "at rest"
+    where = ":".join(str(part) for part in (doing.plan, doing.line) if part)
+    call = f"{where}: {short_call(doing.api or doing.command)}" if where else doing.api
+    return call if doing.moved or first else f"({call})"
+
+
+def _new_notes(example: JointCounterexample, row: Row) -> Iterator[str]:
+    """What happens to a member in a step, such as that its plan ends."""
+    before = example.doing[row.step - 1] if row.step else ()
+    for number, (name, did) in enumerate(
+        zip(example.members, example.doing[row.step], strict=True)
+    ):
+        if did.note and not (before and before[number].note == did.note):
+            yield f"{name}: {did.note}" if len(example.members) > 1 else did.note
+
+
+def _plain(example: JointCounterexample, row: Row) -> Iterator[str]:
+    """Remarks on the step itself; where it is decided, what follows does not matter."""
+    told = {example.steps[row.step].note}
+    decided = row.step == example.decided_at
+    return (n for n in row.notes if n not in told and not (decided and n.startswith("then again")))
 
 
 def _broken(name: str) -> str:
