@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 from vaso.errors import LabellingError, PlanError
 from vaso.plan.config import ClockReadError
 from vaso.plan.machine import Call, Continuation, Lookup, Machine, Raised, Throw
+from vaso.plan.rewrite import round_prelude
 from vaso.plan.source import PRELUDE, locate, parse_python, uses_clock, without_aliases
 from vaso.plan.transition_system import Scalar
 from vaso.platforms import Issued, Platform
@@ -151,7 +152,12 @@ class Labelling:
         self.acting = _acting(tree, {c.name for c in platform.commands})
         self.uses_clock = uses_clock(tree)
         self._machine = Machine(
-            [PRELUDE, without_aliases(code, tree), self._setup(rebinds or {}), _SERVE],
+            [
+                PRELUDE + round_prelude(tree),
+                without_aliases(code, tree),
+                self._setup(rebinds or {}),
+                _SERVE,
+            ],
             recovery=_SERVE,
         )
 

@@ -32,9 +32,14 @@ _TYPING = frozenset(
 
 
 def alias_edits(tree: ast.AST) -> Iterator[Edit]:
-    """Type aliases become ``pass``; annotations of variables go (the sandbox evaluates them)."""
+    """Type aliases become ``pass``; annotations of variables go (the sandbox evaluates them).
+
+    In the body of a class they stay: they are a dataclass's fields, and are not evaluated there.
+    """
+    classes = [n for n in ast.walk(tree) if isinstance(n, ast.ClassDef)]
+    fields = {id(n) for c in classes for n in c.body if isinstance(n, ast.AnnAssign)}
     for node in ast.walk(tree):
-        if not isinstance(node, (ast.Assign, ast.AnnAssign)):
+        if not isinstance(node, (ast.Assign, ast.AnnAssign)) or id(node) in fields:
             continue
         if node.value is None or _is_type(node.value):
             yield replace_statement(node, "pass")
@@ -56,42 +61,19 @@ def _is_type(node: ast.AST) -> bool:
     )
 
 
-def enum_edits(tree: ast.AST) -> Iterator[Edit]:
-    """Plain enumerations become classes of distinct constants; the sandbox knows no inheritance.
-
-    A member becomes ``("State", "DRIVE")``: truthy, equal only to itself, like a member of an
-    ``Enum``. Its ``name`` and ``value`` are not there, so a plan that uses them is not supported.
-    """
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ClassDef) and is_plain_enum(node):
-            base = node.bases[0]
-            yield base.lineno, base.col_offset, base.lineno, base.end_col_offset or 0, ""
-            for member in node.body:
-                if isinstance(member, ast.Assign) and isinstance(member.targets[0], ast.Name):
-                    text = f'{member.targets[0].id} = ("{node.name}", "{member.targets[0].id}")'
-                    yield replace_statement(member, text)
-        elif _imports_enum(node):
-            assert isinstance(node, ast.stmt)
-            yield replace_statement(node, "pass")
+_ROUND = """
+__vaso_round__ = round
+def round(number, ndigits=None):
+    if isinstance(number, float) and isinstance(ndigits, int) and 0 < ndigits < 20:
+        return float(f"{number:.{ndigits}f}")
+    return __vaso_round__(number, ndigits)
+"""
 
 
-def is_plain_enum(node: ast.ClassDef) -> bool:
-    """True for ``class State(Enum)`` whose body only assigns members."""
-    bases = [b.attr if isinstance(b, ast.Attribute) else getattr(b, "id", "") for b in node.bases]
-    if bases != ["Enum"] or node.keywords or node.decorator_list:
-        return False
-    return all(
-        (isinstance(n, ast.Assign) and len(n.targets) == 1 and isinstance(n.targets[0], ast.Name))
-        or isinstance(n, ast.Pass)
-        or (isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant))
-        for n in node.body
-    )
-
-
-def _imports_enum(node: ast.AST) -> bool:
-    if isinstance(node, ast.ImportFrom):
-        return node.module == "enum" and {a.name for a in node.names} <= {"Enum", "auto"}
-    return isinstance(node, ast.Import) and [a.name for a in node.names] == ["enum"]
+def round_prelude(tree: ast.AST) -> str:
+    """A ``round`` that rounds decimals as CPython does; the sandbox's own rounds scaled values."""
+    used = any(isinstance(n, ast.Name) and n.id == "round" for n in ast.walk(tree))
+    return _ROUND if used else ""
 
 
 def import_edits(tree: ast.AST, own: Callable[[ast.ImportFrom], bool]) -> Iterator[Edit]:

@@ -16,16 +16,18 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from vaso.errors import PlanError, UnsupportedPlanError
+from vaso.plan.differences import check_differences
 from vaso.plan.rewrite import (
     MARKER,
     alias_edits,
     apply_edits,
     collect_call,
-    enum_edits,
     import_edits,
     last_value_edits,
     mark_edits,
+    round_prelude,
 )
+from vaso.plan.stand_ins import enum_edits, enum_prelude, exception_edits
 from vaso.plan.toplevel import TopLevel
 
 MODULES = frozenset(
@@ -86,17 +88,17 @@ def prepare(
     tree = parse_python(source, name)
     _check_imports(tree, name, known)
     _check_names(tree, name, {*known, *constants})
-    _check_generators(tree, name, acting)
-    _check_clocks(tree, name)
+    check_differences(tree, name, acting)
     edits = list(alias_edits(tree))
-    edits += enum_edits(tree)
+    edits += enum_edits(tree, name)
+    edits += exception_edits(tree)
     edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
     top = TopLevel(tree, name, known)
     tail = top.entry_call()
     if trajectory:
         edits += [*mark_edits(tree), *last_value_edits(tree, tail)]
         tail += collect_call(tree)
-    prelude = PRELUDE + (MARKER if trajectory else "")
+    prelude = PRELUDE + (MARKER if trajectory else "") + enum_prelude(tree) + round_prelude(tree)
     body = apply_edits(source, edits).rstrip("\n")
     return Program(
         prelude=prelude,
@@ -218,37 +220,6 @@ def _check_names(tree: ast.AST, name: str, known: Collection[str]) -> None:
                 column=node.col_offset + 1,
                 expected=f"a name of the plan, or one of {', '.join(sorted(known))}",
                 hint=f"did you mean '{near[0]}'?" if near else None,
-            )
-
-
-def _check_generators(tree: ast.AST, name: str, acting: Collection[str]) -> None:
-    """The sandbox runs a generator expression to its end at once, so it must not act."""
-    own = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)}
-    for node in ast.walk(tree):
-        if not isinstance(node, ast.GeneratorExp):
-            continue
-        used = {n.id for n in ast.walk(node) if isinstance(n, ast.Name)}
-        if used & (own | set(acting)):
-            raise UnsupportedPlanError(
-                f"a generator expression calls {', '.join(sorted(used & (own | set(acting))))}",
-                source=name,
-                line=node.lineno,
-                expected="a loop, or a list in brackets",
-            )
-
-
-def _check_clocks(tree: ast.AST, name: str) -> None:
-    """Processor time does not pass in the sandbox, so a plan must not look at it."""
-    refused = {"process_time", "thread_time", "process_time_ns", "thread_time_ns"}
-    for node in ast.walk(tree):
-        used = {a.name for a in node.names} if isinstance(node, ast.ImportFrom) else set()
-        used |= {node.attr} if isinstance(node, ast.Attribute) else set()
-        if used & refused:
-            raise UnsupportedPlanError(
-                f"the plan uses {', '.join(sorted(used & refused))}, which stands still here",
-                source=name,
-                line=getattr(node, "lineno", None),
-                expected="time.time() or time.monotonic()",
             )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TypeAlias
@@ -28,7 +28,7 @@ UNSEEN: Interval = (math.inf, -math.inf)
 """The value is not looked at, only whether it is a number."""
 
 WIDEN_AFTER = 3
-MAX_FORMS = 40
+MAX_FORMS = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,33 +102,32 @@ class Atoms:
     grown: dict[Form, int] = field(default_factory=dict)
     spanned: bool = False
 
-    def add(self, form: Form, interval: Interval) -> bool:
-        """Add a form; True if that changes something."""
+    def add(self, form: Form, interval: Interval) -> list[Form]:
+        """Add a form; the forms that this changes."""
         if self.spanned:
             return self._extend(form)
         known = self.bounds.get(form)
         if known is None:
             self.bounds[form] = interval
-            if len(self.bounds) > MAX_FORMS:
-                self._span()
-            return True
+            return [form] if len(self.bounds) <= MAX_FORMS else self._span()
         low, high = min(known[0], interval[0]), max(known[1], interval[1])
         if (low, high) == known:
-            return False
+            return []
         count = self.grown[form] = self.grown.get(form, 0) + 1
         if count > WIDEN_AFTER:
             low = low if low == known[0] else -math.inf
             high = high if high == known[1] else math.inf
         self.bounds[form] = (low, high)
-        return True
+        return [form]
 
-    def _span(self) -> None:
+    def _span(self) -> list[Form]:
         forms = list(self.bounds)
         self.bounds, self.spanned = {}, True
         for form in forms:
             self._extend(form)
+        return list(self.bounds)
 
-    def _extend(self, form: Form) -> bool:
+    def _extend(self, form: Form) -> list[Form]:
         rest = dict(form)
         for known in self.bounds:
             factor = rest.get(known[0][0], Fraction(0))
@@ -136,11 +135,6 @@ class Atoms:
                 rest = dict(Affine(rest).plus(Affine(dict(known)), -factor).terms)
         scaled = normal(Affine(rest), EXACT)
         if scaled is None:
-            return False
+            return []
         self.bounds[scaled[0]] = EXACT
-        return True
-
-
-def items(atoms: Iterable[tuple[Form, Interval]]) -> Iterator[tuple[Affine, Interval]]:
-    """Forms as values that can be computed with."""
-    return ((Affine(dict(form)), interval) for form, interval in atoms)
+        return [scaled[0]]

@@ -18,14 +18,13 @@ from vaso.plan.abstraction.forms import (
     Atoms,
     Form,
     Interval,
-    items,
     normal,
 )
 from vaso.plan.abstraction.lowering import Lowering
 from vaso.plan.abstraction.scopes import NotAnalysableError, Scopes, parameters
 
 MAX_STEPS = 20_000
-MAX_ROUNDS = 400_000
+MAX_ROUNDS = 60_000
 _INTERVALS: Mapping[str, Interval] = {
     "exactly": EXACT,
     "sign": (Fraction(0), Fraction(0)),
@@ -98,59 +97,58 @@ def _recursive(calls: set[tuple[int, int]]) -> set[int]:
 
 
 class _Solver:
-    """The smallest solution of the backward equations, found with a list of what to do."""
+    """The smallest solution of the backward equations: every form is passed on when it changes."""
 
     def __init__(self, graph: Graph, scopes: Scopes) -> None:
         self._graph = graph
         self._parameters = [set(parameters(f)) for f in scopes.functions]
         self._before = [Atoms() for _ in graph.steps]
-        self._preceding: list[list[int]] = [[] for _ in graph.steps]
+        self._preceding: list[set[int]] = [set() for _ in graph.steps]
         for number, following in enumerate(graph.after):
             for other in following:
-                self._preceding[other].append(number)
+                self._preceding[other].add(number)
         self._handlers = set(graph.handlers)
+        self._todo: deque[tuple[int, Form]] = deque()
+        self._waiting: set[tuple[int, Form]] = set()
 
     def solve(self) -> list[Atoms]:
-        """What matters before every step."""
-        count = len(self._graph.steps)
-        if count > MAX_STEPS:
+        """What matters before every step.
+
+        Raises:
+            NotAnalysableError: There is too much of it.
+        """
+        if len(self._graph.steps) > MAX_STEPS:
             raise NotAnalysableError("the plan is too long")
-        todo, waiting = deque(range(count)), set(range(count))
+        for number, step in enumerate(self._graph.steps):
+            if isinstance(step, Use):
+                self._add(number, step.value, _INTERVALS[step.how])
         for _ in range(MAX_ROUNDS):
-            if not todo:
+            if not self._todo:
                 return self._before
-            number = todo.popleft()
-            waiting.discard(number)
-            if self._visit(number):
-                following = range(count) if number in self._handlers else self._preceding[number]
-                for other in following:
-                    if other not in waiting:
-                        waiting.add(other)
-                        todo.append(other)
+            item = self._todo.popleft()
+            self._waiting.discard(item)
+            self._pass_on(*item)
         raise NotAnalysableError("the analysis of the plan takes too long")
 
-    def _visit(self, number: int) -> bool:
-        own = self._before[number]
-        changed = False
-        for value, interval in self._wanted(number):
-            found = normal(value, interval)
-            if found is not None:
-                changed = own.add(*found) or changed
-        return changed
+    def _pass_on(self, number: int, form: Form) -> None:
+        interval = self._before[number].bounds.get(form)
+        if interval is None:
+            return  # a basis stands for it by now
+        value = Affine(dict(form))
+        for other in self._preceding[number]:
+            for wanted in self._through(self._graph.steps[other], value, interval):
+                self._add(other, *wanted)
+        if number in self._handlers:
+            for other in range(len(self._before)):
+                self._add(other, value, interval)
 
-    def _wanted(self, number: int) -> list[tuple[Affine, Interval]]:
-        step = self._graph.steps[number]
-        wanted = [
-            changed
-            for other in set(self._graph.after[number])
-            for pair in items(self._before[other].bounds.items())
-            for changed in self._through(step, *pair)
-        ]
-        if isinstance(step, Use):
-            wanted.append((step.value, _INTERVALS[step.how]))
-        for handler in self._handlers - {number}:
-            wanted += items(self._before[handler].bounds.items())
-        return wanted
+    def _add(self, number: int, value: Affine, interval: Interval) -> None:
+        found = normal(value, interval)
+        if found is not None:
+            for form in self._before[number].add(*found):
+                if (number, form) not in self._waiting:
+                    self._waiting.add((number, form))
+                    self._todo.append((number, form))
 
     def _through(
         self, step: object, value: Affine, interval: Interval
