@@ -29,6 +29,7 @@ _EXPORTS = {
     "Counterexample": "vaso.verdict",
     "VerificationResult": "vaso.verdict",
     "verify": "vaso.verification",
+    "verify_many": "vaso.parallel",
     "compose": "vaso.concurrency",
     "preempt": "vaso.concurrency",
     "Member": "vaso.concurrency",
@@ -70,6 +71,7 @@ __all__ = [
     "shipped_skills",
     "textual_gradient",
     "verify",
+    "verify_many",
     "write_skill",
 ]
 
@@ -79,6 +81,7 @@ if TYPE_CHECKING:
     from vaso.feasibility import check, satisfiable
     from vaso.gradient import TextualGradient, textual_gradient
     from vaso.optimizers import OptimizationResult, optimize
+    from vaso.parallel import verify_many
     from vaso.plan import Plan, TransitionSystem, compile_plan
     from vaso.platforms import Platform, get_platform
     from vaso.skill import Rule, Skill, shipped_skills
