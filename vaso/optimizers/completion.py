@@ -14,16 +14,15 @@ keeps all its actions and uses them to no purpose.
 
 from __future__ import annotations
 
-import ast
 import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from vaso.errors import VasoError
 from vaso.optimizers.components import longest_weights
 from vaso.plan.transition_system import TransitionSystem
-from vaso.platforms import Issued, Platform
+from vaso.platforms import Platform
+from vaso.platforms.reading import read_command
 
 KEEP = 0.2
 SUSTAINED = 10
@@ -147,20 +146,6 @@ def _truth(command: str, platform: Platform) -> dict[str, bool | float]:
         platform.dynamics.step(platform.dynamics.initial(), issued)
     )
     return found
-
-
-def read_command(text: str, platform: Platform) -> Issued | None:
-    """The command that a state's text stands for, or None if it is none of the platform's."""
-    try:
-        call = ast.parse(text, mode="eval").body
-        if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name):
-            return None
-        command = platform.command(call.func.id)
-        arguments = [ast.literal_eval(a) for a in call.args]
-        named = {k.arg or "": ast.literal_eval(k.value) for k in call.keywords}
-        return command.issue(arguments, named) if command else None
-    except (SyntaxError, ValueError, VasoError):
-        return None
 
 
 def _legs(system: TransitionSystem, platform: Platform) -> tuple[Vector, ...]:

@@ -1,0 +1,263 @@
+"""Proof for robots that fly a list of set-points, by induction over its length.
+
+A label is a function of the set-points so far. What a loop over all but the last of them leaves in
+its variables is not known; so guesses are made, such as "the variable z is the robot's altitude",
+and those are kept that hold on the robot at rest and that one more set-point preserves (Houdini:
+Flanagan & Leino, Houdini, an annotation assistant for ESC/Java, FME 2001). From what is kept it
+must follow that the label is the truth after the next set-point, whatever it is.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import z3
+
+from vaso.labels.functions import Functions
+from vaso.labels.symbolic.history import History
+from vaso.labels.symbolic.interpreter import Interpreter
+from vaso.labels.symbolic.loops import Loop, Loops
+from vaso.labels.symbolic.mathematics import negative
+from vaso.labels.symbolic.names import issued_record
+from vaso.labels.symbolic.paths import Path, explore, holds, model_of
+from vaso.labels.symbolic.program import Program
+from vaso.labels.symbolic.values import (
+    NotUnderstoodError,
+    PythonError,
+    Value,
+    compare,
+    equal,
+    is_term,
+)
+from vaso.labels.symbolic.world import World, parts
+from vaso.platforms import Command, Platform
+
+__all__ = ["prove_trajectory"]
+
+DETAIL = "for every list of set-points, by induction, in real arithmetic"
+MAX_ROUNDS = 20
+
+Guess = tuple[str, str, str]
+"""(relation, one quantity, another): ``("==", "loop 5:4 z", "robot 0")``."""
+Quantities = dict[str, Value]
+
+
+def prove_trajectory(
+    tree: ast.Module, platform: Platform, functions: Functions, deadline: float
+) -> dict[str, str]:
+    """The propositions whose labels are proved equal to the truth, with what was proved.
+
+    Only trajectories are covered: code with functions that send commands is not proved.
+    """
+    track = platform.command(platform.trajectory or "")
+    sends = any(isinstance(n, ast.Global | ast.Nonlocal) for n in ast.walk(tree))
+    names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+    if track is None or sends or names & {c.name for c in platform.commands}:
+        return {}
+    world, found = World(platform), {}
+    for name, kinds in functions.labels.items():
+        try:
+            if _Induction(tree, platform, track, world, name, kinds, deadline).proved():
+                found[name] = DETAIL
+        except NotUnderstoodError:
+            continue
+    return found
+
+
+@dataclass
+class _Induction:
+    """The proof for one proposition.
+
+    Attributes:
+        tree: The labelling code.
+        platform: The platform.
+        track: The command that a set-point stands for.
+        world: The dynamics.
+        name: The proposition.
+        kinds: The parameters of its function.
+        deadline: When to give up.
+    """
+
+    tree: ast.Module
+    platform: Platform
+    track: Command
+    world: World
+    name: str
+    kinds: tuple[tuple[str, str], ...]
+    deadline: float
+    guesses: list[Guess] = field(default_factory=list)
+    loops: dict[tuple[int, int], Loop] = field(default_factory=dict)
+
+    def proved(self) -> bool:
+        """True only if the label is the truth for every list of set-points."""
+        found = [quantities for _, quantities in explore(self._at_rest, self.deadline)]
+        if len(found) != 1 or found[0] is None:
+            return False
+        self.guesses = [g for g in _guesses(found[0]) if _is_true(_fact(g, found[0]))]
+        return self._settle_guesses() and self._label_is_truth()
+
+    # -- the robot at rest -------------------------------------------------------------------------
+
+    def _at_rest(self, path: Path) -> Quantities | None:
+        """All quantities after the set-point at rest; None where the label is not the truth."""
+        rest = self.platform.rest.arguments[0][1]
+        loops = Loops()
+        label = self._label(path, History(first=rest, known=[rest]), rest, rest, loops)
+        truth = self.world.truth(path, self.world.initial).get(self.name)
+        if truth is None or not holds(path, equal(label, truth)):
+            return None
+        self.loops = loops.found
+        return {**loops.after, **_robot(self.world.initial), **_point(rest)}
+
+    # -- guesses -----------------------------------------------------------------------------------
+
+    def _settle_guesses(self) -> bool:
+        """Keep the guesses that one more set-point preserves; False if time is up before."""
+        for _ in range(MAX_ROUNDS):
+            dropped: set[Guess] = set()
+            for path, after in explore(self._one_turn, self.deadline):
+                dropped |= self._broken(path, after)
+            if not dropped:
+                return True
+            self.guesses = [g for g in self.guesses if g not in dropped]
+        return False
+
+    def _one_turn(self, path: Path) -> Quantities:
+        """The quantities after one more set-point, on any robot for which the guesses hold."""
+        last, point = self._points(path)
+        world = self.world.unknown(path)
+        before = {**_robot(world), **_point(last)}
+        inside = {key: loop.anywhere(path) for key, loop in self.loops.items()}
+        for key, known in inside.items():
+            before |= self.loops[key].quantities(known)
+        self._assume(path, before)
+        after = {**_robot(self._moved(path, world, point)), **_point(point)}
+        for key, known in inside.items():
+            loop = self.loops[key]
+            self._turn(path, loop, point, known)
+            after |= loop.quantities(known)
+        return after
+
+    def _turn(self, path: Path, loop: Loop, point: Value, known: Quantities) -> None:
+        try:
+            Interpreter(path).run_turn(loop.node, point, known, loop.names)
+        except PythonError as error:
+            raise NotUnderstoodError(f"a loop may raise {error}") from error
+
+    def _broken(self, path: Path, after: Quantities) -> set[Guess]:
+        """Guesses that may not hold after one more set-point on a path."""
+        kept = {guess: _fact(guess, after) for guess in self.guesses}
+        dropped = {guess for guess, fact in kept.items() if not is_term(fact) and not fact}
+        kept = {guess: fact for guess, fact in kept.items() if is_term(fact)}
+        while kept:
+            wrong = z3.Or([z3.Not(fact) for fact in kept.values()])
+            answer, model = model_of(path.given(wrong))
+            if answer == z3.unsat:
+                return dropped
+            if model is None:  # not known for all at once: one by one
+                return dropped | {g for g, fact in kept.items() if not holds(path, fact)}
+            false = {g for g, f in kept.items() if z3.is_false(model.eval(f, True))}
+            if not false:
+                return dropped | kept.keys()
+            dropped |= false
+            kept = {guess: fact for guess, fact in kept.items() if guess not in false}
+        return dropped
+
+    def _assume(self, path: Path, known: Quantities) -> None:
+        """Assume the guesses about some quantities."""
+        for guess in self.guesses:
+            if guess[1] in known and guess[2] in known:
+                fact = _fact(guess, known)
+                if is_term(fact):
+                    path.conditions.append(fact)
+
+    # -- the label ---------------------------------------------------------------------------------
+
+    def _label_is_truth(self) -> bool:
+        for path, (label, truth) in explore(self._one_more, self.deadline):
+            alike = isinstance(label, bool | z3.BoolRef) == isinstance(truth, bool | z3.BoolRef)
+            if truth is None or not alike or not holds(path, equal(label, truth)):
+                return False
+        return True
+
+    def _one_more(self, path: Path) -> tuple[Value, Value]:
+        """Label and truth after any set-points and one more."""
+        last, point = self._points(path)
+        count = path.fresh("count", "int")
+        path.conditions.append(count >= 1)
+        world = self.world.unknown(path)
+        last = self._remembered(_robot(world), last)
+        known = {**_robot(world), **_point(last)}
+        self._assume(path, known)
+        loops = Loops(self.loops, lambda more: self._assume(path, {**known, **more}))
+        rest = self.platform.rest.arguments[0][1]
+        history = History([point], last, rest, None, count)
+        label = self._label(path, history, point, last, loops)
+        return label, self.world.truth(path, self._moved(path, world, point)).get(self.name)
+
+    def _label(
+        self, path: Path, history: History, current: Value, previous: Value, loops: Loops
+    ) -> Value:
+        supply = {"history": history, "current": current, "previous": previous}
+        program = Program(self.tree, self.platform, path, loops)
+        kwargs = {parameter: supply[kind] for parameter, kind in self.kinds}
+        try:
+            return program.label(self.name, kwargs, program.names.found)
+        except PythonError as error:
+            raise NotUnderstoodError(f"{self.name} may raise {error}") from error
+
+    def _points(self, path: Path) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """The last set-point so far, and one more."""
+        size = range(self.track.parameters[0].size or 0)
+        last = tuple(path.fresh(f"last{i}") for i in size)
+        return last, tuple(path.fresh(f"point{i}") for i in size)
+
+    def _remembered(self, robot: Quantities, last: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The last set-point, where the robot's state has it; that spares the solver work."""
+        same = {g[2]: robot[g[1]] for g in self.guesses if g[0] == "==" and g[1] in robot}
+        return tuple(same.get(name, part) for name, part in _point(last).items())
+
+    def _moved(self, path: Path, world: Value, point: Value) -> Value:
+        issued = issued_record(self.track.name, {self.track.parameters[0].name: point})
+        return self.world.step(path, world, issued)
+
+
+def _robot(world: Value) -> Quantities:
+    return {f"robot {i}": part for i, part in enumerate(parts(world))}
+
+
+def _point(point: Value) -> Quantities:
+    return {f"last {i}": part for i, part in enumerate(point)}
+
+
+def _is_true(fact: Value) -> bool:
+    return fact is True or (is_term(fact) and z3.is_true(z3.simplify(fact)))
+
+
+def _guesses(base: Quantities) -> Iterator[Guess]:
+    """What may always hold between the variables of loops, the robot and the last set-point."""
+    numbers = [n for n, v in base.items() if not isinstance(v, bool)]
+    for number, one in enumerate(numbers):
+        if one.startswith("robot"):
+            yield ("0 <=", one, one)
+        for other in numbers[number + 1 :]:
+            if one.startswith("loop") or other.startswith(("robot", "last")):
+                yield ("==", one, other)
+                yield ("== -", one, other)
+            yield ("<=", one, other)
+            yield ("<=", other, one)
+
+
+def _fact(guess: Guess, known: Quantities) -> Value:
+    relation, one, other = guess[0], known[guess[1]], known[guess[2]]
+    match relation:
+        case "0 <=":
+            return compare(ast.LtE(), 0, one)
+        case "<=":
+            return compare(ast.LtE(), one, other)
+        case "== -":
+            return equal(one, negative(other))
+    return equal(one, other)
