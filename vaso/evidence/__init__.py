@@ -1,0 +1,1 @@
+"""Independent evidence that verdicts are right: CPython, other engines, changed plans, mutants."""
