@@ -1,24 +1,17 @@
-"""Deciding conjunctions of formulas with a model checker, and shrinking those that conflict."""
+"""Deciding conjunctions of formulas, numeric comparisons included, and shrinking conflicts."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from vaso.feasibility.asking import ask
 from vaso.feasibility.universal import Universe, components
 from vaso.feasibility.witness import Witness
-from vaso.ltl import (
-    Binary,
-    Constant,
-    Formula,
-    Unary,
-    conjunction,
-    negate,
-    simplify,
-)
-from vaso.ltl.nusmv import to_nusmv
-from vaso.verifiers.engine import SMVAnswer, SMVEngine, SMVTrace
+from vaso.ltl import Formula, simplify
+from vaso.satisfiability import Lasso, conjuncts
+from vaso.verifiers.engine import SMVEngine
 
 __all__ = ["Core", "Outcome", "Search"]
 
@@ -63,7 +56,7 @@ class Search:
     Args:
         exclusions: Groups of propositions of which at most one holds in any step.
         timeout: Seconds for everything that is asked of this object.
-        engine: The model checker; PyNuSMV by default.
+        engine: A model checker that decides instead of VASO's own procedure.
     """
 
     def __init__(
@@ -75,7 +68,7 @@ class Search:
     ) -> None:
         self._exclusions = [tuple(group) for group in exclusions]
         self._deadline = time.monotonic() + timeout
-        self._engine = engine or _default_engine()
+        self._engine = engine
         self._known: dict[frozenset[Formula], Outcome] = {}
 
     def decide(self, formulas: Sequence[Formula]) -> Outcome:
@@ -85,7 +78,7 @@ class Search:
             FormulaError: A name is used both as a truth value and as a number.
         """
         Universe.of(formulas, self._exclusions)
-        pieces = [(i, p) for i, f in enumerate(formulas) for p in _pieces(simplify(f))]
+        pieces = [(i, p) for i, f in enumerate(formulas) for p in conjuncts(simplify(f))]
         universe = Universe.of([p for _, p in pieces], self._exclusions)
         outcomes = []
         for group in components([p for _, p in pieces], universe):
@@ -137,48 +130,39 @@ class Search:
     def _solve(self, formulas: Sequence[Formula]) -> Outcome:
         universe = Universe.of(formulas, self._exclusions)
         for _ in range(MAX_ROUNDS):
-            goal = simplify(conjunction([universe.encode(f) for f in formulas]))
-            if isinstance(goal, Constant):
-                return Outcome(goal.value, Witness(({},), 0) if goal.value else None)
-            outcome, universe = self._attempt(universe, goal, formulas)
+            outcome, universe = self._attempt(universe, formulas)
             if outcome is not None:
                 return outcome
         return Outcome(None, reason="the comparisons have too many combinations")
 
     def _attempt(
-        self, universe: Universe, goal: Formula, formulas: Sequence[Formula]
+        self, universe: Universe, formulas: Sequence[Formula]
     ) -> tuple[Outcome | None, Universe]:
-        """Ask once; a counterexample with impossible numbers only refines the universe."""
+        """Ask once; a behaviour with impossible numbers only refines the universe."""
         left = self._deadline - time.monotonic()
         if left <= 0:
             return Outcome(None, reason="out of time"), universe
-        answer = _ask(self._engine, universe.smv(), goal, left)
-        if answer.holds is not False:
-            return Outcome(None if answer.holds is None else False, reason=answer.reason), universe
-        if answer.trace is None:
+        answer = ask(universe, formulas, timeout=left, engine=self._engine)
+        if not answer.sat:
+            return Outcome(answer.sat, reason=answer.reason), universe
+        if answer.lasso is None:
             known = True if universe.exact else None
             return Outcome(known, reason=answer.reason or "no witness was given"), universe
-        witness = _decoded(universe, answer.trace)
+        witness = _decoded(universe, answer.lasso)
         if isinstance(witness, Universe):
             return None, witness
         return _confirmed(witness, formulas, universe), universe
 
 
-def _ask(engine: SMVEngine, model: str, goal: Formula, timeout: float) -> SMVAnswer:
-    spec = to_nusmv(negate(goal), lambda name: name)
-    return engine.check(model, [spec], timeout=timeout, traces=True)[0]
-
-
-def _decoded(universe: Universe, trace: SMVTrace) -> Witness | Universe:
+def _decoded(universe: Universe, lasso: Lasso) -> Witness | Universe:
     """The witness in the terms of the formulas, or a universe without its impossible numbers."""
     steps = []
-    for step in trace.steps:
-        values = {name: text == "TRUE" for name, text in step.values.items()}
+    for values in lasso.steps:
         decoded = universe.decode(values)
         if decoded is None:
             return universe.blocking(universe.conflict(universe.regions(values)))
         steps.append(decoded)
-    return Witness(tuple(steps), trace.loop_start)
+    return Witness(tuple(steps), lasso.loop_start)
 
 
 def _confirmed(witness: Witness, formulas: Sequence[Formula], universe: Universe) -> Outcome:
@@ -205,24 +189,3 @@ def _joined(outcomes: Sequence[Outcome], formulas: Sequence[Formula]) -> Outcome
     if not full.satisfies(formulas):
         return Outcome(None, reason="the witness does not stand up to evaluation")
     return Outcome(True, full)
-
-
-def _pieces(formula: Formula) -> Iterator[Formula]:
-    """Conjuncts, also those under ``G``, so that independent parts are decided apart."""
-    match formula:
-        case Constant(True):
-            return
-        case Binary("&", left, right):
-            yield from _pieces(left)
-            yield from _pieces(right)
-        case Unary("G", Binary("&", left, right)):
-            yield from _pieces(Unary("G", left))
-            yield from _pieces(Unary("G", right))
-        case _:
-            yield formula
-
-
-def _default_engine() -> SMVEngine:
-    from vaso.verifiers.pynusmv_engine import PyNuSMVEngine
-
-    return PyNuSMVEngine()

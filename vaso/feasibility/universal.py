@@ -15,7 +15,17 @@ from vaso.errors import FormulaError
 from vaso.feasibility.comparisons import Bound, Form, bound, forms_of, values_of
 from vaso.feasibility.linear import independent, solve
 from vaso.ltl import Comparison, Formula, propositions
-from vaso.ltl.syntax import FALSE, TRUE, Atom, Proposition, conjunction, disjunction, negate
+from vaso.ltl.nusmv import to_nusmv
+from vaso.ltl.syntax import (
+    FALSE,
+    TRUE,
+    Atom,
+    Proposition,
+    conjunction,
+    disjunction,
+    implies,
+    negate,
+)
 from vaso.ltl.traverse import comparisons, map_atoms, variables
 
 __all__ = ["Regions", "Universe"]
@@ -93,8 +103,25 @@ class Universe:
         """The model as NuSMV text: booleans and invariants, no initial or transition constraint."""
         booleans = [*self._codes.values(), *(v for pair in self._order for v in pair)]
         lines = ["MODULE main", *(f"VAR {b} : boolean;" for b in booleans)]
-        lines += [f"INVAR {constraint};" for constraint in self._invariants()]
+        lines += [f"INVAR {to_nusmv(c, lambda name: name)};" for c in self.constraints()]
         return "\n".join(lines) + "\n"
+
+    def constraints(self) -> list[Formula]:
+        """What holds in every state of the model."""
+        codes = self._codes
+        found = [
+            negate(conjunction([Proposition(codes[a]), Proposition(codes[b])]))
+            for group in self.exclusions
+            for a, b in itertools.combinations(group, 2)
+        ]
+        for i, form in enumerate(self.forms):
+            chain = [
+                Proposition(f"{kind}_{i}_{j}")
+                for j in range(len(form.limits))
+                for kind in ("below", "upto")
+            ]
+            found += [implies(a, b) for a, b in itertools.pairwise(chain)]
+        return found + [negate(conjunction([self._in(i, r) for i, r in b])) for b in self.blocked]
 
     def regions(self, values: Mapping[str, bool]) -> Regions:
         """The region of every form in a state of the model."""
@@ -144,28 +171,16 @@ class Universe:
                 return 2 * j + 1
         return 2 * len(self.forms[index].limits)
 
-    def _invariants(self) -> list[str]:
-        codes = self._codes
-        found = [
-            f"!({codes[a]} & {codes[b]})"
-            for group in self.exclusions
-            for a, b in itertools.combinations(group, 2)
-        ]
-        for i, form in enumerate(self.forms):
-            chain = [
-                f"{kind}_{i}_{j}" for j in range(len(form.limits)) for kind in ("below", "upto")
-            ]
-            found += [f"({a} -> {b})" for a, b in itertools.pairwise(chain)]
-        return found + [f"!({' & '.join(self._in(i, r) for i, r in b)})" for b in self.blocked]
-
-    def _in(self, index: int, region: int) -> str:
+    def _in(self, index: int, region: int) -> Formula:
         j, point = divmod(region, 2)
-        lower = f"!upto_{index}_{j - 1}"
+        parts: list[Formula] = []
+        if j < len(self.forms[index].limits):
+            parts.append(Proposition(f"upto_{index}_{j}" if point else f"below_{index}_{j}"))
         if point:
-            return f"(upto_{index}_{j} & !below_{index}_{j})"
-        if j == len(self.forms[index].limits):
-            return lower
-        return f"below_{index}_{j}" if j == 0 else f"({lower} & below_{index}_{j})"
+            parts.append(negate(Proposition(f"below_{index}_{j}")))
+        elif j:
+            parts.append(negate(Proposition(f"upto_{index}_{j - 1}")))
+        return conjunction(parts)
 
     def _atom(self, atom: Atom) -> Formula:
         if isinstance(atom, Comparison):
@@ -207,17 +222,29 @@ def components(formulas: Sequence[Formula], universe: Universe) -> list[list[int
 
 
 def _names(formula: Formula) -> frozenset[str]:
-    compared = (n for c in comparisons(formula) for n, _ in bound(c).coefficients)
+    numeric = comparisons(formula)
+    if not numeric:
+        return propositions(formula)
+    compared = (n for c in numeric for n, _ in bound(c).coefficients)
     return propositions(formula) | frozenset(compared) | variables(formula)
 
 
 def _connected(sets: Sequence[frozenset[str]], ties: Iterable[frozenset[str]]) -> list[list[int]]:
-    groups: list[tuple[set[str], list[int]]] = []
-    items = [(s, [i]) for i, s in enumerate(sets)] + [(t, []) for t in ties]
-    for names, indices in items:
-        touching = [g for g in groups if g[0] & names]
-        merged = (set(names).union(*(g[0] for g in touching)), list(indices))
-        for g in touching:
-            merged[1].extend(g[1])
-        groups = [g for g in groups if not any(g is t for t in touching)] + [merged]
-    return sorted(sorted(indices) for _, indices in groups if indices)
+    """Union-find over the names; every set joins its members."""
+    parent: dict[str, str] = {}
+
+    def root(name: str) -> str:
+        while (above := parent.setdefault(name, name)) != name:
+            parent[name] = name = parent[above]
+        return name
+
+    for names in itertools.chain(sets, ties):
+        first, *others = names or [""]
+        for other in others:
+            parent[root(other)] = root(first)
+    groups: dict[object, list[int]] = {}
+    for index, names in enumerate(sets):
+        # A formula without names is a group of its own.
+        key: object = root(next(iter(names))) if names else (index,)
+        groups.setdefault(key, []).append(index)
+    return sorted(groups.values())

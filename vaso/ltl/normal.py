@@ -25,7 +25,14 @@ from vaso.ltl.syntax import (
 )
 from vaso.ltl.traverse import fold, rebuild, subformulas
 
-__all__ = ["DUAL_BINARY", "DUAL_UNARY", "is_syntactically_safe", "nnf", "simplify"]
+__all__ = [
+    "DUAL_BINARY",
+    "DUAL_UNARY",
+    "is_syntactically_safe",
+    "nnf",
+    "simplify",
+    "simplify_node",
+]
 
 DUAL_UNARY: Mapping[UnaryOp, UnaryOp] = {
     "X": "X",
@@ -124,10 +131,11 @@ def simplify(formula: Formula) -> Formula:
     Only rules that look at a node and its operands are used: the result is never larger, but not
     always the smallest.
     """
-    return fold(formula, lambda node, parts: _simplify_node(rebuild(node, parts)))
+    return fold(formula, lambda node, parts: simplify_node(rebuild(node, parts)))
 
 
-def _simplify_node(formula: Formula) -> Formula:
+def simplify_node(formula: Formula) -> Formula:
+    """Simplify a formula whose operands are simple already."""
     match formula:
         case Unary("!", Unary("!", operand)):
             return operand
