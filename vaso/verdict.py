@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,8 @@ from vaso.plan.transition_system import Label, Scalar
 
 if TYPE_CHECKING:
     from vaso.dynamics.result import BetweenSamples
+    from vaso.labels.result import LabelReport
+    from vaso.verification.coverage import Coverage
 
 ALMOST = 1.0 - 1e-6
 """The greatest score of what is not verified."""
@@ -204,7 +206,10 @@ class VerificationResult:
         problem: Set when the plan could not be compiled or explored completely.
         warnings: Remarks on the plan, such as an uncaught exception that ends it.
         system: The transition system, where there is one.
+        coverage: What the plan's behaviours use of it, where there is a transition system.
         between: For each numeric rule, the verdict between samples (``verdict`` is about samples).
+        labels: Whether the labels that the verdicts are about are true of the robot, in every state
+            of the plan; None where they were not compared.
         from_memo: True where this result was found by an earlier verification of the same content.
     """
 
@@ -216,7 +221,9 @@ class VerificationResult:
     problem: Problem | None = None
     warnings: tuple[str, ...] = ()
     system: Any = field(default=None, repr=False, compare=False)
+    coverage: Coverage | None = None
     between: tuple[BetweenSamples, ...] = ()
+    labels: LabelReport | None = field(default=None, repr=False)
     from_memo: bool = field(default=False, compare=False)
 
     @property
@@ -229,6 +236,16 @@ class VerificationResult:
         if self.problem or not self.specs:
             return Verdict.UNKNOWN if self.problem is None else _of_problem(self.problem)
         return Verdict.PASS
+
+    def __repr__(self) -> str:
+        shown = {f.name: getattr(self, f.name) for f in fields(self) if f.repr}
+        told = ", ".join(f"{name}={value!r}" for name, value in shown.items())
+        return f"VerificationResult({self.verdict.value}, {self.label_line!r}, {told})"
+
+    @property
+    def label_line(self) -> str:
+        """What is known about the labels, in one sentence; a PASS is only as good as they are."""
+        return self.labels.line if self.labels is not None else "labels not validated"
 
     @property
     def safety(self) -> float:
@@ -261,7 +278,11 @@ class VerificationResult:
                 "line": self.problem.line,
             },
             "warnings": list(self.warnings),
+            "coverage": self.coverage.to_json() if self.coverage else None,
             "between": [b.to_json() for b in self.between],
+            "labels": self.labels.to_json()
+            if self.labels
+            else {"agree": None, "text": self.label_line},
             "from_memo": self.from_memo,
         }
 

@@ -6,18 +6,18 @@ property-based search (:func:`validate_labels`).
 """
 
 from vaso.labels.feedback import label_feedback
-from vaso.labels.result import Comparison, LabelReport, Status, Witness
+from vaso.labels.result import LabelComparison, LabelReport, LabelStatus, LabelWitness
 from vaso.labels.states import compare_states
 from vaso.labels.validate import FULL, QUICK, Effort, validate_labels
 
 __all__ = [
     "FULL",
     "QUICK",
-    "Comparison",
     "Effort",
+    "LabelComparison",
     "LabelReport",
-    "Status",
-    "Witness",
+    "LabelStatus",
+    "LabelWitness",
     "compare_states",
     "label_feedback",
     "validate_labels",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from vaso.labels.result import Comparison, LabelReport
+from vaso.labels.result import LabelComparison, LabelReport
 
 __all__ = ["label_feedback"]
 
@@ -29,7 +29,7 @@ def label_feedback(report: LabelReport | None, names: Iterable[str] | None = Non
 HEAD = "the labels do not tell the truth about the robot:"
 
 
-def _told(comparison: Comparison) -> Iterator[str]:
+def _told(comparison: LabelComparison) -> Iterator[str]:
     witness = comparison.witness
     if witness is None:
         return

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any, TypeAlias
 
 from vaso.plan.transition_system import Label
 
-__all__ = ["Comparison", "LabelReport", "Said", "Status", "Witness"]
+__all__ = ["LabelComparison", "LabelReport", "LabelStatus", "LabelWitness", "Said"]
 
 Said: TypeAlias = Label | str
 """What the code says: a value, or in words what it does instead of giving one."""
@@ -16,7 +16,7 @@ Said: TypeAlias = Label | str
 LISTED = 4
 
 
-class Status(StrEnum):
+class LabelStatus(StrEnum):
     """What is known about a proposition's label and the truth about the robot."""
 
     PROVED = "proved equal"
@@ -26,7 +26,7 @@ class Status(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Witness:
+class LabelWitness:
     """One situation in which a label is not true of the robot; found by running the code.
 
     Attributes:
@@ -66,7 +66,7 @@ class Witness:
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class LabelComparison:
     """What is known about one proposition.
 
     Attributes:
@@ -84,10 +84,10 @@ class Comparison:
     """
 
     name: str
-    status: Status
+    status: LabelStatus
     means: str = ""
     detail: str = ""
-    witness: Witness | None = None
+    witness: LabelWitness | None = None
     samples: int = 0
     mismatches: int = 0
     bounds: tuple[tuple[float, float], ...] = ()
@@ -97,13 +97,13 @@ class Comparison:
     @property
     def text(self) -> str:
         """The outcome in words."""
-        if self.status is Status.DIFFERS:
+        if self.status is LabelStatus.DIFFERS:
             return str(self.witness).partition(": ")[2]
-        if self.status is Status.SAMPLED:
+        if self.status is LabelStatus.SAMPLED:
             first = f"no difference in {self.samples:,} random runs"
             bounds = " (".join(f"{p:.2g} % with {c:.0%} confidence" for c, p in self._percents)
             return f"{first}; mismatch rate below {bounds}{')' if len(self.bounds) > 1 else ''}"
-        if self.status is Status.INCOMPARABLE:
+        if self.status is LabelStatus.INCOMPARABLE:
             return f"not comparable, because {self.detail}"
         return f"proved equal: {self.detail}" if self.detail else "proved equal"
 
@@ -141,29 +141,29 @@ class LabelReport:
     """
 
     skill: str = ""
-    comparisons: tuple[Comparison, ...] = ()
+    comparisons: tuple[LabelComparison, ...] = ()
     states: int = 0
     gap: str = ""
-    seconds: float = 0.0
+    seconds: float = field(default=0.0, compare=False)
     in_plan: LabelReport | None = None
 
     @property
-    def differing(self) -> tuple[Comparison, ...]:
+    def differing(self) -> tuple[LabelComparison, ...]:
         """Propositions that a rule mentions and whose label is wrong somewhere."""
-        return tuple(c for c in self.comparisons if c.mentioned and c.status is Status.DIFFERS)
+        return tuple(c for c in self.comparisons if c.mentioned and c.status is LabelStatus.DIFFERS)
 
     @property
-    def wrong(self) -> tuple[Comparison, ...]:
+    def wrong(self) -> tuple[LabelComparison, ...]:
         """All propositions whose label is wrong somewhere, mentioned by a rule or not."""
-        return tuple(c for c in self.comparisons if c.status is Status.DIFFERS)
+        return tuple(c for c in self.comparisons if c.status is LabelStatus.DIFFERS)
 
     @property
-    def unvalidated(self) -> tuple[Comparison, ...]:
+    def unvalidated(self) -> tuple[LabelComparison, ...]:
         """Mentioned propositions that the platform knows but that could not be compared."""
         return tuple(
             c
             for c in self.comparisons
-            if c.mentioned and not c.own and c.status is Status.INCOMPARABLE
+            if c.mentioned and not c.own and c.status is LabelStatus.INCOMPARABLE
         )
 
     @property
@@ -189,17 +189,16 @@ class LabelReport:
         return {False: self._differ, True: self._agree, None: self._unknown}[self.agree]()
 
     def _differ(self) -> str:
-        about = "; what was verified is not about the robot" if self.states else ""
-        return f"labels differ from the robot{about}: {_joined(self.differing)}"
+        return f"labels differ from the robot: {_joined(self.differing)}"
 
     def _agree(self) -> str:
         text = "labels agree with the platform"
         if self.states:
             text += f" in all {self.states} states of this plan"
-        elif all(c.status is Status.PROVED for c in self.comparisons if c.mentioned and not c.own):
-            text += " (proved)"
         else:
-            text += " as far as was sampled"
+            rest = [c for c in self.comparisons if c.mentioned and not c.own]
+            proved = all(c.status is LabelStatus.PROVED for c in rest)
+            text += " (proved)" if proved else " as far as was sampled"
         return text + self._remarks()
 
     def _unknown(self) -> str:
@@ -274,7 +273,7 @@ def _rounded(value: float, decimals: int) -> str:
     return repr(round(float(value), decimals) + 0.0)
 
 
-def _joined(comparisons: tuple[Comparison, ...]) -> str:
+def _joined(comparisons: tuple[LabelComparison, ...]) -> str:
     told = [str(c.witness) for c in comparisons[:LISTED]]
     more = len(comparisons) - LISTED
     return "; ".join([*told, *([f"and {more} more"] if more > 0 else [])])

@@ -13,7 +13,7 @@ from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 
 from vaso.labels.exclusion import overlapping
-from vaso.labels.result import Comparison, LabelReport, Status, Witness
+from vaso.labels.result import LabelComparison, LabelReport, LabelStatus, LabelWitness
 from vaso.labels.truth import Rules, is_true, same, sensor_domain
 from vaso.ltl import Formula
 from vaso.plan.transition_system import Case, Label, Scalar, State, TransitionSystem
@@ -75,7 +75,7 @@ class _States:
         self.gap = (
             "" if system.cut is None else f"the plan was not explored further: {_reason(system)}"
         )
-        self.witnesses: dict[str, Witness] = {}
+        self.witnesses: dict[str, LabelWitness] = {}
         self.compared: set[str] = set()
 
     def run(self) -> None:
@@ -92,24 +92,28 @@ class _States:
                 for spec in observations:
                     self._observation(spec, state, place)
 
-    def comparisons(self) -> tuple[Comparison, ...]:
+    def comparisons(self) -> tuple[LabelComparison, ...]:
         """The outcome, by proposition."""
         labelled = self.system.propositions
         known = [p.name for p in self.platform.propositions if p.name in labelled]
         others = sorted((self.compared | (self.rules.names & labelled)) - set(known))
         return tuple(map(self._comparison, (*known, *others)))
 
-    def _comparison(self, name: str) -> Comparison:
+    def _comparison(self, name: str) -> LabelComparison:
         mentioned = name in self.rules.names
         if witness := self.witnesses.get(name):
-            return Comparison(name, Status.DIFFERS, "states", witness=witness, mentioned=mentioned)
+            return LabelComparison(
+                name, LabelStatus.DIFFERS, "states", witness=witness, mentioned=mentioned
+            )
         if name in self.compared:
             detail = f"in all {len(self.system.states)} states of the plan"
-            return Comparison(name, Status.PROVED, "states", detail, mentioned=mentioned)
+            return LabelComparison(name, LabelStatus.PROVED, "states", detail, mentioned=mentioned)
         own = self.platform.proposition(name) is None
         why = UNKNOWN_TO if own else "the dynamics of platform {} say nothing of it"
         detail = why.format(self.platform.name)
-        return Comparison(name, Status.INCOMPARABLE, "states", detail, mentioned=mentioned, own=own)
+        return LabelComparison(
+            name, LabelStatus.INCOMPARABLE, "states", detail, mentioned=mentioned, own=own
+        )
 
     # -- what is reachable -----------------------------------------------------------------------
 
@@ -179,7 +183,7 @@ class _States:
         hides = self.rules.hides(name, label, true)
         if before is None or hides:
             situation = _situation(state, place.step, senses)
-            self.witnesses[name] = Witness(name, label, true, situation, hides, state.line)
+            self.witnesses[name] = LabelWitness(name, label, true, situation, hides, state.line)
 
 
 def _labels(name: str, state: State) -> Iterator[tuple[dict[str, Scalar], Label]]:

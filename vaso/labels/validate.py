@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vaso.errors import LabellingError, VasoError
 from vaso.labels.judge import Difference, Judge
-from vaso.labels.result import Comparison, LabelReport, Status, Witness
+from vaso.labels.result import LabelComparison, LabelReport, LabelStatus, LabelWitness
 from vaso.labels.sampling import Sample, sample
 from vaso.labels.sandbox import Sandbox
 from vaso.labels.search import Found, Search, Wanted
@@ -47,8 +47,8 @@ class Effort:
     template: bool
 
 
-QUICK = Effort(trials=300, examples=30, proof_seconds=1.0, seconds=3.0, template=False)
-FULL = Effort(trials=3_000, examples=200, proof_seconds=5.0, seconds=15.0, template=True)
+QUICK = Effort(trials=300, examples=30, proof_seconds=2.0, seconds=3.0, template=False)
+FULL = Effort(trials=3_000, examples=200, proof_seconds=10.0, seconds=15.0, template=True)
 CHECKED = 200
 """Random trials of what is proved already: proofs are over the reals, the robot computes in floats.
 """
@@ -128,17 +128,19 @@ def _with_plan(
     found = compare_states(system, robot, rules.formulas)
     wrong = {c.name: c for c in found.wrong}
     merged = [
-        wrong[c.name] if c.name in wrong and c.status is not Status.DIFFERS else c
+        wrong[c.name] if c.name in wrong and c.status is not LabelStatus.DIFFERS else c
         for c in report.comparisons
     ]
     return replace(report, comparisons=tuple(merged), in_plan=found)
 
 
-def _broken(robot: Platform, rules: Rules, why: str) -> tuple[Comparison, ...]:
+def _broken(robot: Platform, rules: Rules, why: str) -> tuple[LabelComparison, ...]:
     """What is known where the labelling code does not run."""
     known = {p.name for p in robot.propositions}
     return tuple(
-        Comparison(name, Status.INCOMPARABLE, detail=why, mentioned=True, own=name not in known)
+        LabelComparison(
+            name, LabelStatus.INCOMPARABLE, detail=why, mentioned=True, own=name not in known
+        )
         for name in sorted(rules.names)
     )
 
@@ -161,7 +163,7 @@ class _Validation:
         self.effort, self.seed = effort, seed
         self.deadline = 0.0
 
-    def comparisons(self) -> tuple[Comparison, ...]:
+    def comparisons(self) -> tuple[LabelComparison, ...]:
         """The outcome, by proposition.
 
         Raises:
@@ -186,7 +188,7 @@ class _Validation:
 
     def _tried(
         self, sandbox: Sandbox, proofs: Mapping[str, str]
-    ) -> tuple[dict[str, Sample], dict[str, Witness]]:
+    ) -> tuple[dict[str, Sample], dict[str, LabelWitness]]:
         """Random runs, then a search for each difference and for what they did not show."""
         self.deadline = time.monotonic() + self.effort.seconds
         judge, space = Judge(self.robot, sandbox.functions), Space(sandbox, self.rules.formulas)
@@ -195,7 +197,7 @@ class _Validation:
         left = max(0.0, self.deadline - time.monotonic())
         samples = sample(sandbox, space, judge, count=count, seed=self.seed, seconds=left).samples
         search = Search(sandbox, space, judge, self.seed)
-        witnesses: dict[str, Witness] = {}
+        witnesses: dict[str, LabelWitness] = {}
         for name, one in samples.items():
             if one.example is not None:
                 witnesses[name] = self._witness(search, name, one.example)
@@ -203,7 +205,7 @@ class _Validation:
             samples.setdefault(name, Sample())
         return samples, witnesses
 
-    def _witness(self, search: Search, name: str, example: Found) -> Witness:
+    def _witness(self, search: Search, name: str, example: Found) -> LabelWitness:
         """The simplest witness, if possible one that can hide a violation."""
 
         def about(difference: Difference) -> bool:
@@ -221,7 +223,7 @@ class _Validation:
             found = shorten(search.sandbox, search.judge, *example, about)
         return witness_of(*found, self.robot, self.rules)
 
-    def _further(self, search: Search, names: set[str], witnesses: dict[str, Witness]) -> str:
+    def _further(self, search: Search, names: set[str], witnesses: dict[str, LabelWitness]) -> str:
         """Search for a difference in what random runs found none in; its name, or nothing."""
         found = self._find(search, lambda d: d.name in names) if names else None
         if found is None:
@@ -244,12 +246,12 @@ class _Validation:
         defined: set[str],
         proofs: Mapping[str, str],
         samples: Mapping[str, Sample],
-        witnesses: Mapping[str, Witness],
-    ) -> Comparison:
+        witnesses: Mapping[str, LabelWitness],
+    ) -> LabelComparison:
         mentioned, one = name in self.rules.names, samples.get(name, Sample())
-        counted = Comparison(
+        counted = LabelComparison(
             name,
-            Status.SAMPLED,
+            LabelStatus.SAMPLED,
             "sampling",
             samples=one.trials,
             mismatches=one.failures,
@@ -257,15 +259,17 @@ class _Validation:
             mentioned=mentioned,
         )
         if witness := witnesses.get(name):
-            return replace(counted, status=Status.DIFFERS, witness=witness)
+            return replace(counted, status=LabelStatus.DIFFERS, witness=witness)
         if name in proofs:
-            return replace(counted, status=Status.PROVED, means="smt", detail=proofs[name])
+            return replace(counted, status=LabelStatus.PROVED, means="smt", detail=proofs[name])
         if name not in defined and self.robot.proposition(name) is not None:
             detail = "the code does not define it; the platform's own meaning is used"
-            return Comparison(name, Status.PROVED, "definition", detail, mentioned=mentioned)
+            return LabelComparison(
+                name, LabelStatus.PROVED, "definition", detail, mentioned=mentioned
+            )
         return counted if one.trials else self._incomparable(name, mentioned)
 
-    def _incomparable(self, name: str, mentioned: bool) -> Comparison:
+    def _incomparable(self, name: str, mentioned: bool) -> LabelComparison:
         spec, robot = self.robot.proposition(name), self.robot.name
         if spec is None:
             why = f"platform {robot} does not know it; it means what the code says"
@@ -273,16 +277,18 @@ class _Validation:
             why = f"platform {robot} names no sensor for it"
         else:
             why = f"the dynamics of platform {robot} say nothing of it"
-        return Comparison(
-            name, Status.INCOMPARABLE, detail=why, mentioned=mentioned, own=spec is None
+        return LabelComparison(
+            name, LabelStatus.INCOMPARABLE, detail=why, mentioned=mentioned, own=spec is None
         )
 
-    def _at_rest(self, name: str, why: str) -> Comparison:
+    def _at_rest(self, name: str, why: str) -> LabelComparison:
         """A label that cannot even be computed on the robot at rest."""
         truth = self.robot.dynamics.truth(self.robot.dynamics.initial())
         mentioned = name in self.rules.names
         if not why.startswith("the code ") or name not in truth:
-            return Comparison(name, Status.INCOMPARABLE, detail=why, mentioned=mentioned)
+            return LabelComparison(name, LabelStatus.INCOMPARABLE, detail=why, mentioned=mentioned)
         says, situation = why.removeprefix("the code "), "at rest, before the first command"
-        witness = Witness(name, says, truth[name], situation)
-        return Comparison(name, Status.DIFFERS, "sampling", witness=witness, mentioned=mentioned)
+        witness = LabelWitness(name, says, truth[name], situation)
+        return LabelComparison(
+            name, LabelStatus.DIFFERS, "sampling", witness=witness, mentioned=mentioned
+        )

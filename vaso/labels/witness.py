@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vaso.labels.judge import Difference
-from vaso.labels.result import Witness
+from vaso.labels.result import LabelWitness
 from vaso.labels.trial import Call, Hold, Operation, Send, Trial
 from vaso.labels.truth import Rules, value_text
 from vaso.platforms import Platform
@@ -11,7 +11,9 @@ from vaso.platforms import Platform
 __all__ = ["witness_of"]
 
 
-def witness_of(trial: Trial, difference: Difference, platform: Platform, rules: Rules) -> Witness:
+def witness_of(
+    trial: Trial, difference: Difference, platform: Platform, rules: Rules
+) -> LabelWitness:
     """Describe a difference so that a person can check it by hand.
 
     Args:
@@ -23,7 +25,7 @@ def witness_of(trial: Trial, difference: Difference, platform: Platform, rules: 
     moment = difference.moment
     done = trial.operations[: moment.operation + 1]
     parts = [_senses(difference, platform), _doing(done, difference)]
-    return Witness(
+    return LabelWitness(
         difference.name,
         difference.says,
         difference.has,

@@ -22,6 +22,11 @@ RECORDS: dict[str, str] = {
         _VERDICTS,
     ),
     **dict.fromkeys(("BetweenSamples", "Bound", "Witness"), "vaso.dynamics.result"),
+    **dict.fromkeys(
+        ("LabelComparison", "LabelReport", "LabelStatus", "LabelWitness"), "vaso.labels.result"
+    ),
+    **dict.fromkeys(("Branch", "Coverage"), "vaso.verification.coverage"),
+    **dict.fromkeys(("Bound", "Witness", "BetweenSamples"), "vaso.dynamics.result"),
     **dict.fromkeys(("Sensor", "Case", "Edge", "State", "Cut", "TransitionSystem"), _SYSTEMS),
 }
 """The classes that can be written, with their modules."""

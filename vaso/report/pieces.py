@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from vaso.plan.transition_system import TransitionSystem
 from vaso.report.graph import automaton_svg
+from vaso.report.labels import label_banner
 from vaso.report.listing import listing
 from vaso.report.markup import Child, Markup, el, join
 from vaso.report.terminal import remarks
@@ -66,7 +67,7 @@ def problem_banner(result: VerificationResult) -> Markup:
     """What kept the plan from being verified, and what its author should know."""
     problem = result.problem
     first = [el("p", problem.message, cls="banner fail")] if problem else []
-    return join(first, [el("p", w, cls="banner") for w in result.warnings])
+    return join(first, label_banner(result), [el("p", w, cls="banner") for w in result.warnings])
 
 
 def rule_rows(specs: Sequence[SpecResult]) -> Markup:
@@ -103,23 +104,22 @@ def violations(
         most: After so many, the others are folded.
     """
     blames = blame_of(result, skill)
-    found = [
-        _violation(s, result.plan, blames.get(s.formula)) for s in result.specs if s.counterexample
-    ]
+    found = [_violation(s, result, blames.get(s.formula)) for s in result.specs if s.counterexample]
     rest = found[most:] if most is not None else []
     title = f"{len(rest)} more: what else the plan can do wrong"
     return join(found[:most], folded(title, join(rest)) if rest else None)
 
 
-def _violation(spec: SpecResult, plan: str, blame: Blame | None) -> Markup:
+def _violation(spec: SpecResult, result: VerificationResult, blame: Blame | None) -> Markup:
     assert spec.counterexample is not None
+    faded = result.coverage.never if result.coverage else ()
     return el(
         "div",
         el("h3", "✗ ", el("code", spec.spec)),
         el("p", f"The rule says: {spec.english}. The plan can do this instead:"),
         timeline(spec.counterexample),
         el("p", prose(blame.text)) if blame and blame.text else None,
-        listing(plan, marks_of(blame)),
+        listing(result.plan, marks_of(blame), faded),
         cls="card",
     )
 

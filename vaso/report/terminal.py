@@ -17,6 +17,8 @@ from rich.table import Table
 from rich.text import Text
 
 from vaso.report.between import between_views
+from vaso.report.coverage import coverage_notes
+from vaso.report.labels import label_lines
 from vaso.report.trace import Row, blame_of, marks_of, seconds, trace_table
 from vaso.verdict import Counterexample, SpecResult, Verdict, VerificationResult
 
@@ -53,7 +55,9 @@ def verification_view(result: VerificationResult, *, counterexamples: bool = Tru
         parts.append(rules_table(result))
     parts += between_views(result.between)
     parts.append(summary(result))
+    parts += label_lines(result)
     parts += [Text(f"note: {w}", style="yellow") for w in result.warnings]
+    parts += coverage_notes(result.coverage)
     if counterexamples:
         parts += violation_views(result)
     return Group(*parts)
@@ -97,6 +101,10 @@ def remarks(spec: SpecResult) -> Iterator[tuple[str, str]]:
         yield "assuming", assumption
     if spec.vacuous:
         yield "vacuous", spec.vacuous
+    if spec.stronger:
+        yield "stronger", f"the plan keeps even {spec.stronger}"
+    if spec.unchecked:
+        yield "not checked", f"whether the rule says anything about this plan ({spec.unchecked})"
     if spec.reason:
         yield "why", spec.reason
     for warning in spec.warnings:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from vaso.dynamics.result import BetweenSamples
 from vaso.errors import LabellingError, PlanError, UnsupportedPlanError
+from vaso.labels.states import compare_states
 from vaso.ltl import Formula, ParsedFormula, parse_with_warnings, to_english
 from vaso.plan.explore import Budget, compile_plan
 from vaso.plan.model import Plan
@@ -17,6 +18,7 @@ from vaso.plan.transition_system import TransitionSystem
 from vaso.platforms import Platform, get_platform
 from vaso.skill import Rule, Skill
 from vaso.verdict import Counterexample, Problem, SpecResult, Verdict, VerificationResult
+from vaso.verification.coverage import measure
 from vaso.verification.cuts import explain
 from vaso.verification.task import Finding, Task
 from vaso.verifiers import Verifier, get_verifier
@@ -37,6 +39,7 @@ def verify(
     timeout: float = 60.0,
     counterexamples: bool = True,
     between: bool = True,
+    coverage: float = 0.0,
     on_progress: OnProgress | None = None,
 ) -> VerificationResult:
     """Check every rule of a skill on every behaviour of a plan.
@@ -55,6 +58,8 @@ def verify(
         timeout: Seconds for model checking, all rules together.
         counterexamples: Whether to compute counterexamples.
         between: Whether to bound numbers between samples as well.
+        coverage: Seconds for finding out which of the plan's lines run, by a second exploration;
+            without it, lines that make no call are mostly unknown.
         on_progress: Called now and then with ``exploring`` and the number of states found so far,
             then with ``checking`` and the number of rules.
 
@@ -98,6 +103,9 @@ def verify(
         r.decided(robot, f, task.counterexample(f)) for r, f in zip(rules, findings, strict=True)
     )
     inside = _between_samples(task, findings, results) if between else ()
+    formulas = [r.formula for r in rules]
+    seen = measure(plan, skill, robot, system, formulas, seconds=coverage)
+    labels = compare_states(system, robot, [*formulas, *(a.formula for a in skill.assumptions)])
     undecided = any(r.verdict in (Verdict.UNKNOWN, Verdict.UNSUPPORTED) for r in results)
     return VerificationResult(
         specs=results,
@@ -108,7 +116,9 @@ def verify(
         problem=_incomplete(system) if undecided else None,
         warnings=(*system.warnings, *_remarks(system, undecided)),
         system=system,
+        coverage=seen,
         between=inside,
+        labels=labels,
     )
 
 

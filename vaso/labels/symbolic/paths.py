@@ -6,6 +6,7 @@ not made before is made one way, and the other way is kept for later (if it is p
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
@@ -19,6 +20,7 @@ __all__ = ["Path", "explore", "holds", "model_of", "now"]
 T = TypeVar("T")
 
 MAX_PATHS = 400
+_ROOT = re.compile(r"root!\d+")
 QUERY = 2_000_000
 FEASIBLE = 300_000
 """Bounds on the work of z3 in its own units, so that an outcome does not depend on the machine."""
@@ -102,12 +104,14 @@ class Path:
     def given(self, fact: Any) -> list[Any]:
         """A fact and the conditions of the path, with what defines the roots in them."""
         found = [*self.conditions, fact]
-        known, todo = set().union(*map(_variables, found)), list(self._roots.values())
+        if not self._roots:
+            return found
+        known, todo = set().union(*map(_roots_in, found)), list(self._roots.values())
         while fitting := [one for one in todo if str(one[0]) in known]:
             for one in fitting:
                 todo.remove(one)
                 found += one[1]
-                known |= _variables(one[1][1])
+                known |= _roots_in(one[1][1])
         return found
 
 
@@ -162,16 +166,6 @@ def _solver(conditions: list[Any], work: int) -> Any:
     return solver
 
 
-def _variables(term: Any) -> set[str]:
-    """Names of the variables in a term."""
-    found: set[str] = set()
-    seen: set[int] = set()
-    todo = [term]
-    while todo:
-        node = todo.pop()
-        if node.get_id() not in seen:
-            seen.add(node.get_id())
-            if z3.is_const(node) and node.decl().kind() == z3.Z3_OP_UNINTERPRETED:
-                found.add(str(node))
-            todo += node.children()
-    return found
+def _roots_in(term: Any) -> set[str]:
+    """Names of the roots in a term, from its text: walking terms in Python is slow."""
+    return set(_ROOT.findall(term.sexpr()))
