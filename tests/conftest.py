@@ -1,8 +1,12 @@
 """What no test may leave behind for the next one."""
 
+import os
+
 import pytest
 
 from vaso.optimizers import registry
+
+os.environ["VASO_CACHE"] = "off"  # also for the programs that tests start: no verdict is kept
 
 
 @pytest.fixture(autouse=True)

@@ -17,6 +17,8 @@ __all__ = ["Spent", "is_lasting"]
 
 _SHARE = 1 / 8
 """An engine gives a formula a quarter of the time that is left, so this share touches no bound."""
+_REMARKS = 5.0
+"""Seconds that looking for vacuity, and bounds between samples, take at most each."""
 
 _OF_THE_MACHINE = ("TimeoutError", "SandboxCrash", "longer than allowed", "checkout")
 """Words in the reasons of a sandbox that was too slow or was lost."""
@@ -31,17 +33,21 @@ class Spent:
         checking: Spent on checking the rules.
         may_explore: Allowed for the former.
         may_check: Allowed for the latter.
+        may_watch: Allowed for watching the plan's lines, which counts as checking; 0 for no time.
     """
 
     exploring: float
     checking: float
     may_explore: float
     may_check: float
+    may_watch: float = 0.0
 
     @property
     def no_bound_acted(self) -> bool:
         """True when all was over before any bound on time."""
-        return self.exploring < self.may_explore and self.checking < _SHARE * self.may_check
+        watched = self.may_watch == 0 or self.checking < self.may_watch
+        explored = self.exploring < self.may_explore
+        return explored and watched and self.checking < _SHARE * self.may_check
 
 
 def is_lasting(result: VerificationResult, spent: Spent) -> bool:
@@ -53,9 +59,15 @@ def is_lasting(result: VerificationResult, spent: Spent) -> bool:
     """
     if not spent.no_bound_acted or not all(b.in_time for b in result.between):
         return False
+    if spent.checking >= _REMARKS and not _remarks_are_complete(result):
+        return False
     if spent.exploring + spent.checking >= TURN_SECONDS and _blames_the_machine(result):
         return False
     return all(_is_decided(spec, result) for spec in result.specs)
+
+
+def _remarks_are_complete(result: VerificationResult) -> bool:
+    return not any(s.unchecked for s in result.specs) and all(b.in_time for b in result.between)
 
 
 def _blames_the_machine(result: VerificationResult) -> bool:

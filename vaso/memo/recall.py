@@ -22,6 +22,7 @@ __all__ = ["Recall", "Stopwatch", "encode_exactly", "speaks_of_names", "verify_r
 
 CHECK_SECONDS = 60.0
 _SYSTEM = "-system"
+_USUAL = {"counterexamples": True, "between": True, "coverage": 0.0}
 _KEYED = ("platform", "specs", "verifier", "budget")
 
 
@@ -44,12 +45,22 @@ class Stopwatch:
         if self._listener:
             self._listener(stage, count)
 
-    def spent(self, budget: Budget | None, timeout: float) -> Spent:
-        """The time until now, with its bounds."""
+    def spent(self, timeout: float, options: Mapping[str, Any]) -> Spent:
+        """The time until now, with the bounds that ``verify`` had.
+
+        Args:
+            timeout: Its bound on checking.
+            options: Its further options.
+        """
         now = time.monotonic()
         explored = self._explored or now
-        bounds = budget or Budget()
-        return Spent(explored - self._started, now - explored, bounds.seconds, timeout)
+        return Spent(
+            exploring=explored - self._started,
+            checking=now - explored,
+            may_explore=(options.get("budget") or Budget()).seconds,
+            may_check=timeout,
+            may_watch=options.get("coverage", 0.0),
+        )
 
 
 @dataclass(frozen=True)
@@ -75,7 +86,7 @@ class Recall:
     def __post_init__(self) -> None:
         keyed = {name: self.options[name] for name in _KEYED if name in self.options}
         rest = {name: value for name, value in self.options.items() if name not in _KEYED}
-        rest.setdefault("counterexamples", True)
+        rest = _USUAL | rest
         key = key_of(self.skill, self.plan, options=rest, **keyed)
         object.__setattr__(self, "key", key)
 
@@ -179,6 +190,6 @@ def verify_remembered(
         if known is not None:
             return known
     result = verify(skill, plan, timeout=timeout, on_progress=watch, **options)
-    if place is not None and is_lasting(result, watch.spent(options.get("budget"), timeout)):
+    if place is not None and is_lasting(result, watch.spent(timeout, options)):
         place.keep(result)
     return result

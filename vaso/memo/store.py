@@ -73,14 +73,15 @@ class Memo:
         return value
 
     def put(self, key: str, value: Any) -> bool:
-        """Keep a value; False where the disk does not take it."""
+        """Keep a value; False where the disk does not take it, or it is no JSON."""
         path = self._path(key)
         part = path.with_name(f"{path.stem}-{os.getpid()}-{os.urandom(4).hex()}{_PARTIAL}")
         try:
-            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            self.folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            path.parent.mkdir(exist_ok=True)
             part.write_bytes(_packed(value, key))
             part.replace(path)
-        except (OSError, ValueError):
+        except (OSError, TypeError, ValueError):
             with contextlib.suppress(OSError):
                 part.unlink(missing_ok=True)
             return False

@@ -38,6 +38,8 @@ def verify_many(
     verifier: str | Verifier | None = None,
     budget: Budget | None = None,
     counterexamples: bool = True,
+    between: bool = True,
+    coverage: float = 0.0,
 ) -> Batch:
     """Verify many plans, several at a time.
 
@@ -63,6 +65,8 @@ def verify_many(
         verifier: The verifier.
         budget: Bounds of the exploration.
         counterexamples: Whether to compute counterexamples.
+        between: Whether to bound numbers between samples as well.
+        coverage: Seconds for finding out which lines run.
 
     Returns:
         An iterator over ``(index, result)``, first those that the memo knows. Nothing starts before
@@ -78,6 +82,8 @@ def verify_many(
         "verifier": verifier,
         "budget": _within(budget, timeout),
         "counterexamples": counterexamples,
+        "between": between,
+        "coverage": coverage,
     }
     check = CHECK_SECONDS if timeout is None else min(CHECK_SECONDS, timeout / 3)
     chosen = default_memo() if memo is True else memo or None

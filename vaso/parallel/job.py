@@ -66,7 +66,7 @@ def perform(job: Job) -> Outcome:
     except Exception as error:
         return Outcome(error=f"an error in VASO itself: {type(error).__name__}: {error}")
     encoded = None
-    if is_lasting(result, watch.spent(job.options.get("budget"), job.timeout)):
+    if is_lasting(result, watch.spent(job.timeout, job.options)):
         try:
             encoded = encode_exactly(result)
         except CodecError:
