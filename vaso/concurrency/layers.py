@@ -166,8 +166,7 @@ class _Exploration:
         self.deadline = time.monotonic() + budget.seconds
 
     def run(self) -> TransitionSystem:
-        idle = tuple(layer.when is None for layer in self.layers)
-        self._add(Place(tuple(self.fresh), idle), 0)
+        self._add(Place(tuple(self.fresh), (False,) * len(self.layers)), 0)
         while len(self.edges) < len(self.places):
             number = len(self.edges)
             edges = None if self.states[number].cut or self._spent() else self._expand(number)
@@ -257,22 +256,24 @@ class _Exploration:
         leader = self.steppers[charge].step(configs[charge], reader)
         active[charge] = True
         for index, config in enumerate(configs):
-            configs[index] = self._follow(index, config, leader)
+            configs[index] = self._follow(index, config, leader, active=active[index])
         configs[charge] = leader
         return Place(tuple(configs), tuple(active), charge)
 
     def _reset(self, configs: list[Config], active: list[bool], index: int) -> None:
         """Put a plan back to its first line; what concerns the robot stays."""
         here = configs[index]
-        configs[index] = replace(
-            self.fresh[index], world=here.world, history=here.history, tick=here.tick
-        )
-        active[index] = self.layers[index].when is None
+        configs[index] = replace(self.fresh[index], world=here.world, history=here.history)
+        active[index] = False
 
-    def _follow(self, index: int, config: Config, leader: Config) -> Config:
-        """A suspended plan after a period: its robot has moved, and time has passed."""
+    def _follow(self, index: int, config: Config, leader: Config, *, active: bool) -> Config:
+        """A suspended plan after a period: its robot has moved, and time has passed.
+
+        A plan's clock starts with the plan.
+        """
         history = self.sessions[index].histories.extend(config.history, leader.issued)
-        timed = self.sessions[index].clock and config.turn not in (Turn.END, Turn.CUT)
+        ended = config.turn in (Turn.END, Turn.CUT)
+        timed = active and self.sessions[index].clock and not ended
         tick = config.tick + 1 if timed else config.tick
         return replace(config, world=leader.world, history=history, tick=tick)
 

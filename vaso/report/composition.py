@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from rich import box
-from rich.console import Group, RenderableType
+from rich.console import Console, ConsoleOptions, Group, JustifyMethod, RenderableType, RenderResult
 from rich.table import Table
 from rich.text import Text
 
@@ -17,8 +17,12 @@ from vaso.report.terminal import plan_view, rule_text, summary, verdict_text
 from vaso.report.trace import Row, TraceTable, seconds, short_call, trace_table
 from vaso.verdict import SpecResult
 
-WIDEST = 30
-"""Widest column of what a member does."""
+NARROWEST = 8
+"""Narrowest column of text that is folded."""
+REMARK = 16
+"""Widest column of remarks."""
+SPACE = 2
+"""Columns of the terminal between two columns of a table."""
 SKIPPED = "⋮"
 
 STEPS = {
@@ -106,24 +110,50 @@ def _plans(
                 yield plan_view(text, dict.fromkeys(marks, ""))
 
 
-def joint_counterexample_view(example: JointCounterexample) -> Table:
+def joint_counterexample_view(example: JointCounterexample) -> JointTrace:
     """The steps of a counterexample: sensors, what each member does in which line, values."""
-    headings, rows = joint_table(example)
-    acting = {f"{name} does" for name in example.members}
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
-    for number, name in enumerate(headings):
-        if name in ("step", "time"):
-            table.add_column(name, justify="right", no_wrap=True)
-        elif name in acting:
-            widest = max(len(name), *(len(cells[number]) for cells, _ in rows))
-            # A fixed width: rich crops a table whose columns have a least width.
-            table.add_column(name, overflow="fold", width=min(widest, WIDEST))
-        else:
-            table.add_column(_broken(name), overflow="fold")
-    for cells, violated in rows:
-        skipped = cells[0] == SKIPPED
-        table.add_row(*cells, style="bold red" if violated else "dim" if skipped else "")
-    return table
+    return JointTrace(example)
+
+
+class JointTrace:
+    """A joint counterexample as a table that shares out the width of the terminal."""
+
+    def __init__(self, example: JointCounterexample) -> None:
+        self.example = example
+        self.headings, self.rows = joint_table(example)
+
+    def __rich_console__(self, console: Console, options: ConsoleOptions) -> RenderResult:
+        """The table; what members do and the remarks are folded, other columns are not."""
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False, collapse_padding=True)
+        widths = self._widths(options.max_width)
+        for name, width in zip(self.headings, widths, strict=True):
+            justify: JustifyMethod = "right" if name in ("step", "time") else "left"
+            table.add_column(_broken(name), justify=justify, width=width, overflow="fold")
+        for cells, violated in self.rows:
+            skipped = cells[0] == SKIPPED
+            table.add_row(*cells, style="bold red" if violated else "dim" if skipped else "")
+        yield table
+
+    def _widths(self, total: int) -> list[int]:
+        """The width of each column; the least that it needs, then more where text is folded."""
+        natural = [self._natural(number) for number in range(len(self.headings))]
+        acting = {f"{name} does" for name in self.example.members}
+        folded = [n for n, name in enumerate(self.headings) if name in acting or not name]
+        left = (
+            total
+            - SPACE * len(natural)
+            - sum(width for number, width in enumerate(natural) if number not in folded)
+        )
+        for rank, number in enumerate(sorted(folded, key=lambda n: natural[n])):
+            fair = left // (len(folded) - rank)
+            natural[number] = max(NARROWEST, min(natural[number], fair))
+            left -= natural[number]
+        return natural
+
+    def _natural(self, number: int) -> int:
+        heading = _broken(self.headings[number]).split("\n")
+        widest = max(map(len, [*heading, *(cells[number] for cells, _ in self.rows), ""]))
+        return widest if self.headings[number] else min(widest, REMARK)
 
 
 def joint_table(example: JointCounterexample) -> tuple[list[str], list[tuple[list[str], bool]]]:
