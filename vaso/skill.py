@@ -128,7 +128,18 @@ class Skill(BaseModel):
         if all(getattr(self, name) == value for name, value in changes.items()):
             return self
         where = {"source": None, "labelling_line": 1, "template_line": 1}
-        return self.model_copy(update=where | changes)
+        return self.uncertified().model_copy(update=where | changes)
+
+    def uncertified(self) -> Skill:
+        """A copy without the certificate of its file, which speaks of the text as it was."""
+        from vaso.skill_file.front_matter import without_certificate
+
+        metadata = dict(self.metadata)
+        if "metadata" in metadata:
+            metadata["metadata"] = without_certificate(metadata["metadata"])
+        if not metadata.get("metadata", True):
+            del metadata["metadata"]
+        return self.model_copy(update={"metadata": metadata})
 
     def _repr_html_(self) -> str:
         from vaso.report.cells import skill_cell

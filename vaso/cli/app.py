@@ -9,6 +9,7 @@ import typer
 from vaso import __version__
 from vaso.cli import (
     bench,
+    certify,
     check,
     compare,
     compose,
@@ -57,6 +58,8 @@ for command in (
     sat.sat,
     plan.plan,
     synthesize.synthesize,
+    certify.certify,
+    certify.recheck,
     optimize.optimize,
     compare.compare,
     show.show,

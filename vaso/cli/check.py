@@ -18,6 +18,7 @@ from vaso.cli.common import (
     emit,
     get_skill,
     leave,
+    warn_of_stale_certificate,
 )
 
 CODES = {True: ExitCode.HOLDS, False: ExitCode.REFUTED, None: ExitCode.UNKNOWN}
@@ -47,4 +48,5 @@ def check(
         from vaso.report.terminal_runs import feasibility_view
 
         console().print(feasibility_view(result))
+        warn_of_stale_certificate(chosen)
     leave(CODES[result.feasible])

@@ -105,6 +105,16 @@ def write_text(path: Path, text: str) -> None:
         raise VasoError(f"the file cannot be written: {error}", source=str(path)) from error
 
 
+def warn_of_stale_certificate(skill: Skill) -> None:
+    """Say in one line that a skill carries a certificate which is not about its file any more."""
+    from vaso.certificates import stale
+
+    why = stale(skill)
+    if why:
+        hint = "vaso recheck verifies again"
+        console().print(f"note: its certificate does not fit: {why} ({hint})", style="yellow")
+
+
 def code_of(verdict: Verdict) -> ExitCode:
     """The exit code of a verdict."""
     known = {Verdict.PASS: ExitCode.HOLDS, Verdict.FAIL: ExitCode.REFUTED}

@@ -19,6 +19,7 @@ from vaso.cli.common import (
     console,
     get_plan,
     get_skill,
+    warn_of_stale_certificate,
     write_text,
 )
 from vaso.errors import PlanError
@@ -81,6 +82,7 @@ def _print(skill: Skill | None, plan: Plan | None, platform: str | None) -> None
     if plan is None:
         assert skill is not None
         console().print(skill_view(skill))
+        warn_of_stale_certificate(skill)
         return
     parts: list[RenderableType] = [plan_view(plan.source)]
     if skill:

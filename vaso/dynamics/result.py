@@ -85,11 +85,16 @@ class BetweenSamples:
     in_time: bool = True
 
     @property
+    def ranges(self) -> str:
+        """The bounds in words."""
+        return ", ".join(filter(None, map(_range, self.bounds)))
+
+    @property
     def text(self) -> str:
         """The finding in one plain line."""
         if self.witness is not None:
             return _violated(self.witness)
-        told = ", ".join(filter(None, map(_range, self.bounds)))
+        told = self.ranges
         if self.verdict is Verdict.PASS:
             told = self.reason or told
             return f"{self.english}, inside every period too" + (f" ({told})" if told else "")

@@ -100,8 +100,12 @@ def optimize(
         common: dict[str, Any] = {"lm": model, "seed": seed, "on_event": on_event, "store": store}
         stack.enter_context(_using(drawing))
         if isinstance(chosen, LoopOptimizer | DrivenOptimizer):
-            return chosen.optimize(params, loss, cases, ledger=ledger, journal=journal, **common)
-        return chosen.optimize(params, loss, cases, budget=ledger.budget, **common)
+            result = chosen.optimize(params, loss, cases, ledger=ledger, journal=journal, **common)
+        else:
+            result = chosen.optimize(params, loss, cases, budget=ledger.budget, **common)
+        if store and result.verified:
+            store.certify_skill()
+        return result
 
 
 def _load(skill: str | Path) -> Skill:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from vaso.errors import OptimizerError
+from vaso.errors import OptimizerError, VasoError
 from vaso.optimizers.base import Case
 from vaso.optimizers.events import Event
 from vaso.optimizers.journal import Journal
@@ -164,6 +164,13 @@ class RunStore:
         from vaso.skill_file import write_skill
 
         write_atomically(self.folder / SKILL, write_skill(skill))
+
+    def certify_skill(self) -> None:
+        """Write a certificate into the best skill, where its plan template is verified as well."""
+        from vaso.certificates import certify
+
+        with suppress(VasoError):  # the run has its result without it
+            certify(self.folder / SKILL)
 
     def save_result(self, result: Mapping[str, Any]) -> None:
         """Write the result."""

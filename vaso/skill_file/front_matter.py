@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import yaml
@@ -11,6 +12,9 @@ from vaso.errors import SkillError
 
 MAX_CHARACTERS = 20_000
 _ENTRY = re.compile(r"[\w\"'-]+\s*:")
+CERTIFICATE = "vaso-certificate"
+"""What the keys of a certificate in ``metadata`` begin with."""
+_CERTIFIED = re.compile(rf"{CERTIFICATE}[a-z0-9-]*")
 PLATFORM_KEYS = ("platform", "vaso-platform", "vaso_platform")
 
 
@@ -132,14 +136,38 @@ def write_front_matter(name: str, description: str, platform: str, metadata: dic
         metadata: Every other entry.
     """
     rest = {key: value for key, value in metadata.items() if key != "metadata"}
+    more = metadata.get("metadata", {})
     data = {
         "name": name,
         "description": description,
         **rest,
-        "metadata": {"platform": platform, **metadata.get("metadata", {})},
+        "metadata": {"platform": platform, **without_certificate(more)},
     }
+    certificate = [certificate_line(k, v) for k, v in more.items() if is_certificate(k, v)]
     body = yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=96, indent=2)
-    return f"---\n{body}---\n"
+    return "".join(["---\n", body, *(f"{line}\n" for line in certificate), "---\n"])
+
+
+def is_certificate(key: object, value: object) -> bool:
+    """True for an entry of ``metadata`` that belongs to a certificate."""
+    named = isinstance(key, str) and _CERTIFIED.fullmatch(key)
+    return bool(named) and isinstance(value, str)
+
+
+def without_certificate(entries: Mapping[str, Any]) -> dict[str, Any]:
+    """The entries of ``metadata`` that belong to no certificate."""
+    return {key: value for key, value in entries.items() if not is_certificate(key, value)}
+
+
+def certificate_line(key: str, value: str, indent: str = "  ") -> str:
+    """An entry of a certificate on one line, which YAML reads back as it is."""
+    return f'{indent}{key}: "{"".join(map(_escaped, value))}"'
+
+
+def _escaped(character: str) -> str:
+    if character in '"\\':
+        return f"\\{character}"
+    return character if " " <= character <= "~" else f"\\U{ord(character):08X}"
 
 
 class _Dumper(yaml.SafeDumper):

@@ -88,7 +88,7 @@ def save_skill(skill: Skill, path: str | Path) -> Path:
     try:
         path = path / "SKILL.md" if path.is_dir() else path
         path.parent.mkdir(parents=True, exist_ok=True)
-        _replace(path, write_skill(skill))
+        replace_file(path, write_skill(skill))
     except (OSError, UnicodeEncodeError) as error:
         raise SkillError(
             f"the skill cannot be written: {getattr(error, 'strerror', None) or error}",
@@ -97,7 +97,12 @@ def save_skill(skill: Skill, path: str | Path) -> Path:
     return path
 
 
-def _replace(path: Path, text: str) -> None:
+def replace_file(path: Path, text: str) -> None:
+    """Write a file, all of it or nothing.
+
+    Raises:
+        OSError: It cannot be written.
+    """
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:
         with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
