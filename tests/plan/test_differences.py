@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from tests.plan.contracts import DRIVE
-from vaso.errors import UnsupportedPlanError
+from vaso.errors import PlanError, UnsupportedPlanError
 from vaso.plan import compile_plan
 
 
@@ -74,3 +74,11 @@ def test_only_a_single_exception_of_its_own_is_stood_in_for():
     two = "class A(Exception): pass\nclass B(Exception): pass\ntry:\n    raise A\nexcept B:\n    stop()\n"
     system = compile_plan(two, DRIVE)
     assert system.cut is not None and not system.cut.supported
+
+
+@pytest.mark.parametrize(
+    "source", ["break", "continue", "return 1", "x = 1\nnonlocal x", "*a = [1]"]
+)
+def test_what_only_the_compiler_refuses(source):
+    with pytest.raises(PlanError, match="not valid Python"):
+        compile_plan(source, DRIVE)

@@ -12,7 +12,7 @@ import atexit
 import builtins
 import os
 import threading
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from typing import Any, TypeAlias
@@ -44,6 +44,10 @@ _LIMITS: Any = {
     "max_recursion_depth": RECURSION_DEPTH,
     "max_suspensions": 1_000_000_000,
 }
+
+
+_PLAIN = frozenset({bool, type(None)})
+"""Types whose values are their own identity (1 and 1.0 are equal, and not the same)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,7 +152,7 @@ class Machine:
         self._recovery = recovery
         file = f"<python-input-{len(self._texts) - 1}>"
         self._key = KeyMaker(Quotient(relevance, file) if relevance else None)
-        self._memo: dict[tuple[bytes, str], Continuation] = {}
+        self._memo: dict[tuple[bytes, Hashable], Continuation] = {}
         self._stack = ExitStack()
         self._live: tuple[bytes, Any] | None = None
         self._session: MontySession | None = None
@@ -179,10 +183,11 @@ class Machine:
             at: A continuation of this machine that has not ended.
             reply: The value to return, or a :class:`Throw`.
         """
-        memo = (at.key, repr(reply))
-        if memo not in self._memo:
-            self._memo[memo] = self._resume(at, reply)
-        return self._memo[memo]
+        memo = (at.key, reply if type(reply) in _PLAIN else repr(reply))
+        after = self._memo.get(memo)
+        if after is None:
+            after = self._memo[memo] = self._resume(at, reply)
+        return after
 
     def _resume(self, at: Continuation, reply: Any) -> Continuation:
         result = self._guard(lambda: _answer(self._restore(at), reply))

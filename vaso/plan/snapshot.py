@@ -13,10 +13,9 @@ from __future__ import annotations
 import hashlib
 from typing import Any
 
-import cbor2
-
 from vaso.errors import VerifierError
 from vaso.plan.abstraction import Quotient, Snapshot, View
+from vaso.plan.dump import DumpReader
 
 MAGIC = b"MONTY\0"
 VERSION = b"\x0e\x00"
@@ -48,6 +47,9 @@ _SLOTTED = {
 _VOLATILE_HEAP = frozenset({"entries", "tracker", "allocations_since_gc", "purple_count"})
 
 
+_NESTED = frozenset({dict, list})
+
+
 class _UnknownShape(Exception):
     """A part of the snapshot whose references cannot be told from numbers."""
 
@@ -64,9 +66,10 @@ class KeyMaker:
 
     def __init__(self, quotient: Quotient | None = None) -> None:
         self._quotient = quotient
+        self._reader = DumpReader()
         self._tables: Any = None
         self._tables_key = b""
-        self._modules: dict[bytes, int] = {}
+        self._modules = _Modules()
         self.raw = 0
 
     def __call__(self, dump: bytes) -> tuple[bytes, View | None]:
@@ -80,7 +83,7 @@ class KeyMaker:
                 "the sandbox writes snapshots in a format this version of VASO does not know",
                 hint="install the pinned version of pydantic-monty (uv sync)",
             )
-        kind, call = _only(_only(cbor2.loads(dump[_HEADER:])["state"])[1])
+        kind, call = _only(_only(self._reader.read(dump[_HEADER:])["state"])[1])
         snapshot = call["snapshot"]
         heap = snapshot["repl"]["heap"]
         roots = _roots(kind, call, snapshot)
@@ -93,8 +96,8 @@ class KeyMaker:
             body, view = [roots, [_raw(e) for e in heap["entries"]]], None
         else:
             view = self._view(call, snapshot, traversal, [*body[0], body[1], rest])
-        text = cbor2.dumps([body, rest, self._constant(snapshot)])
-        return hashlib.blake2b(text, digest_size=16).digest(), view
+        text = repr([body, rest, self._constant(snapshot)])
+        return hashlib.blake2b(text.encode(), digest_size=16).digest(), view
 
     def _view(
         self,
@@ -125,7 +128,7 @@ class KeyMaker:
         tables = [program, snapshot["repl"]["interns"], snapshot["repl"]["globals"]]
         if tables != self._tables:
             self._tables = tables
-            self._tables_key = hashlib.blake2b(cbor2.dumps(tables), digest_size=16).digest()
+            self._tables_key = hashlib.blake2b(repr(tables).encode(), digest_size=16).digest()
         return self._tables_key
 
 
@@ -145,10 +148,31 @@ def _raw(entry: Any) -> Any:
     return None if entry is None else entry["D"]
 
 
+class _Modules:
+    """Numbers for the plain attributes of modules, of which there are many."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[str, int] = {}
+        self._seen: dict[int, tuple[Any, int, list[Any]]] = {}
+
+    def of(self, payload: dict[str, Any]) -> tuple[int, list[Any]]:
+        """The number of a module's plain attributes, and its attributes that are references."""
+        known = self._seen.get(id(payload))
+        if known is None or known[0] is not payload:
+            items = payload["attrs"]["E"]
+            refers = [isinstance(i["V"], dict) and "C" in i["V"] for i in items]
+            plain = [i for i, r in zip(items, refers, strict=True) if not r]
+            references = [i for i, r in zip(items, refers, strict=True) if r]
+            text = repr([payload["name"], plain])
+            number = self._numbers.setdefault(text, len(self._numbers))
+            known = self._seen[id(payload)] = (payload, number, references)
+        return known[1], known[2]
+
+
 class _Traversal:
     """Visits the heap from the roots and gives slots numbers in order of the visit."""
 
-    def __init__(self, entries: list[Any], modules: dict[bytes, int]) -> None:
+    def __init__(self, entries: list[Any], modules: _Modules) -> None:
         self.entries = entries
         self.modules = modules
         self.number: dict[int, int] = {}
@@ -176,14 +200,18 @@ class _Traversal:
         return ["ref", self.number[slot]]
 
     def value(self, item: Any) -> Any:
-        if isinstance(item, dict):
+        kind = type(item)
+        if kind is dict:
             if len(item) == 1 and isinstance(item.get("C"), int):
                 return self.reference(item["C"])
-            if "H" in item and "V" in item:
-                item = {k: v for k, v in item.items() if k != "H"}
-            return {k: self.value(v) for k, v in item.items()}
-        if isinstance(item, list):
-            return [self.value(v) for v in item]
+            hashed = "H" in item and "V" in item
+            return {
+                k: self.value(v) if type(v) in _NESTED else v
+                for k, v in item.items()
+                if not (hashed and k == "H")
+            }
+        if kind is list:
+            return [self.value(v) if type(v) in _NESTED else v for v in item]
         return item
 
     def entry(self, entry: dict[str, Any]) -> Any:
@@ -202,14 +230,7 @@ class _Traversal:
 
     def module(self, payload: dict[str, Any]) -> list[Any]:
         """A module: its plain attributes as a number (there are many), its references visited."""
-        plain: list[Any] = []
-        references: list[Any] = []
-        for item in payload["attrs"]["E"]:
-            value = item["V"]
-            kept = references if isinstance(value, dict) and "C" in value else plain
-            kept.append(item)
-        text = cbor2.dumps([payload["name"], plain])
-        number = self.modules.setdefault(text, len(self.modules))
+        number, references = self.modules.of(payload)
         return [number, self.value(references)]
 
     def slotted(self, payload: dict[str, Any], key: str, form: str) -> list[Any]:

@@ -12,6 +12,7 @@ import ast
 import builtins
 import difflib
 import re
+import warnings
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
@@ -116,7 +117,12 @@ def parse_python(source: str, name: str, error: type[PlanError] = PlanError) -> 
     """
     try:
         source.encode()
-        return ast.parse(source)
+        tree = ast.parse(source)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            # Never run; finds what the grammar allows and the language does not: a lone `break`.
+            compile(source, name, "exec", dont_inherit=True)
+        return tree
     except SyntaxError as wrong:
         text = (wrong.text or "").strip()
         raise error(

@@ -67,7 +67,7 @@ class Expressions:
             return self._load(node.id, into, after, scope)
         if isinstance(node, ast.BinOp):
             left, right = self.temporary(scope), self.temporary(scope)
-            after = self.computed(node.op, (left, right), into, node.right, after)
+            after = self.computed(node, (left, right), into, after)
             return self.value(node.left, left, self.value(node.right, right, after, scope), scope)
         if isinstance(node, ast.UnaryOp):
             return self._unary(node, into, after, scope)
@@ -133,18 +133,21 @@ class Expressions:
         return self.graph.add(Set(into, Affine.of(var) if var and known else None), after)
 
     def computed(
-        self, op: ast.operator, sides: tuple[Var, Var], into: Var, right: ast.expr, after: int
+        self, node: ast.BinOp | ast.AugAssign, sides: tuple[Var, Var], into: Var, after: int
     ) -> int:
-        """``into = left op right``."""
+        """``into = left op right``, for the two sides' values."""
         one, two = (Affine.of(side) for side in sides)
-        if isinstance(op, (ast.Add, ast.Sub)):
-            sign = ONE if isinstance(op, ast.Add) else -ONE
-            return self.graph.add(Set(into, one.plus(two, sign)), after)
-        factor = _number(right)
-        if isinstance(op, ast.Mult) and factor is not None:
-            return self.graph.add(Set(into, Affine({}).plus(one, factor)), after)
-        if isinstance(op, ast.Div) and factor:
-            return self.graph.add(Set(into, Affine({}).plus(one, 1 / factor)), after)
+        value: Affine | None = None
+        if isinstance(node.op, (ast.Add, ast.Sub)):
+            value = one.plus(two, ONE if isinstance(node.op, ast.Add) else -ONE)
+        elif isinstance(node.op, ast.Mult):
+            left, right = _number(getattr(node, "left", None)), _number(_right(node))
+            factor, other = (right, one) if right is not None else (left, two)
+            value = None if factor is None else Affine({}).plus(other, factor)
+        elif isinstance(node.op, ast.Div) and (divisor := _number(_right(node))):
+            value = Affine({}).plus(one, 1 / divisor)
+        if value is not None:
+            return self.graph.add(Set(into, value), after)
         done = self.graph.add(Set(into), after)
         return self.graph.add(Use(one), self.graph.add(Use(two), done))
 
@@ -417,7 +420,11 @@ def _constant(value: object) -> Affine | None:
         return None
 
 
-def _number(node: ast.expr) -> Fraction | None:
+def _right(node: ast.BinOp | ast.AugAssign) -> ast.expr:
+    return node.right if isinstance(node, ast.BinOp) else node.value
+
+
+def _number(node: ast.expr | None) -> Fraction | None:
     """The value of a literal number."""
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub):
         inner = _number(node.operand)

@@ -156,7 +156,7 @@ class Lowering(Expressions):
         after = self.stored(node.target, temporary, after, context.scope)
         current = self.temporary(context.scope)
         added = self.temporary(context.scope)
-        after = self.computed(node.op, (current, added), temporary, node.value, after)
+        after = self.computed(node, (current, added), temporary, after)
         after = self.value(node.value, added, after, context.scope)
         return self.value(_loaded(node.target), current, after, context.scope)
 

@@ -10,12 +10,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
-import cbor2
-
-from vaso.plan.abstraction.forms import CLOCK, EXACT, GLOBAL, Bound, Form, Interval, Var
+from vaso.plan.abstraction.forms import CLOCK, EXACT, GLOBAL, UNSEEN, Bound, Form, Interval, Var
 from vaso.plan.abstraction.relevance import Relevance
 from vaso.plan.abstraction.scopes import NotAnalysableError
 
+Number: TypeAlias = int | float | Fraction
+_Valued: TypeAlias = tuple[Number, Number, Bound, Bound]
 _Place: TypeAlias = tuple[str, int]
 """Where a variable is: in ``globals``, ``stack`` or ``heap``, and its index there."""
 
@@ -33,16 +33,17 @@ class View:
     """
 
     base: bytes
-    forms: tuple[tuple[Fraction, Fraction, Bound, Bound], ...]
+    forms: tuple[_Valued, ...]
 
     def at(self, now: float) -> tuple[Hashable, ...]:
         """The identity at a time: equal identities behave alike from then on."""
-        clock = Fraction(now)
-        values = ((value + rate * clock, low, high) for value, rate, low, high in self.forms)
-        return (self.base, *(_seen(v, low, high) for v, low, high in values))
+        return (self.base, *(_seen(form, now) for form in self.forms))
 
 
-def _seen(value: Fraction, low: Bound, high: Bound) -> Hashable:
+def _seen(form: _Valued, now: float) -> Hashable:
+    value, rate, low, high = form
+    if rate:
+        value += rate * Fraction(now)
     if value > high:
         return "above"
     return "below" if value < low else value
@@ -104,7 +105,7 @@ class Quotient:
             return None
         cells = {var: _cell(snapshot, place) for var, place in places.items()}
         running = {var[0] for var in cells} | {GLOBAL, CLOCK[0]} | self._layout.running(snapshot)
-        found: list[tuple[Fraction, Fraction, Bound, Bound]] = []
+        found: list[_Valued] = []
         alive: set[Var] = set()
         for form, interval in wanted.items():
             if all(var[0] in running for var, _ in form):
@@ -113,11 +114,12 @@ class Quotient:
         return View(_base(snapshot, places, cells, alive), tuple(found))
 
 
-def _valued(
-    form: Form, interval: Interval, cells: Mapping[Var, Any]
-) -> Iterator[tuple[Fraction, Fraction, Bound, Bound]]:
+def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterator[_Valued]:
     """A form's value; nothing for one that no path can look at from here."""
-    value, rate = Fraction(0), Fraction(0)
+    if interval == UNSEEN:
+        return
+    value: Number = 0
+    rate: Number = 0
     for var, coefficient in form:
         if var == CLOCK:
             rate = coefficient
@@ -125,7 +127,7 @@ def _valued(
         cell = cells.get(var)
         number = _number(cell)
         if number is not None:
-            value += coefficient * number
+            value = number if len(form) == 1 else value + coefficient * Fraction(number)
         elif cell is not None and _no_number(cell):
             return  # reading it, or computing with it, raises before anything is compared
         else:
@@ -138,13 +140,13 @@ def _no_number(cell: Any) -> bool:
     return cell in ("U", "O") or (isinstance(cell, dict) and "T" in cell)
 
 
-def _number(cell: Any) -> Fraction | None:
+def _number(cell: Any) -> int | float | None:
     """The number in a cell; None for anything else, also for a truth value."""
     if not isinstance(cell, dict) or len(cell) != 1:
         return None
     ((tag, value),) = cell.items()
     if tag == "I" or (tag == "F" and math.isfinite(value)):
-        return Fraction(value)
+        return value  # type: ignore[no-any-return]
     return None
 
 
@@ -174,7 +176,7 @@ def _base(
         else:
             parts[where][index] = mark
     shape[0] = [kind, pending, parts, scheduler]
-    return hashlib.blake2b(cbor2.dumps(shape), digest_size=16).digest()
+    return hashlib.blake2b(repr(shape).encode(), digest_size=16).digest()
 
 
 def _mark(cell: Any, alive: bool) -> Any:

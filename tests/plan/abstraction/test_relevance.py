@@ -1,0 +1,178 @@
+"""What matters where: forms and the constants that the future compares them with."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from tests.plan.contracts import DRIVE
+from vaso.plan import Budget, compile_plan, explore
+from vaso.plan.abstraction import NotAnalysableError, analyse
+
+PAUSED = """
+def drive(duration=2.0):
+    start = time.time()
+    paused = 0.0
+    while (time.time() - start) - paused < duration:
+        if people_observed():
+            pause_start = time.time()
+            while people_observed():
+                stop()
+            paused += time.time() - pause_start
+        else:
+            forward()
+drive()
+"""
+
+
+def forms(source: str, call: str) -> dict[str, tuple[float, float]]:
+    """The forms at the only call with a text, as texts."""
+    text = source.encode()
+    (at,) = [f for (a, b), f in analyse(source).at.items() if text[a:b].decode() == call]
+    return {
+        " ".join(
+            f"{'+' if c > 0 else '-'}{'' if abs(c) == 1 else abs(c)}{v}" for (_, v), c in form
+        ): (
+            float(low),
+            float(high),
+        )
+        for form, (low, high) in at.items()
+    }
+
+
+def test_elapsed_time_matters_only_up_to_the_duration():
+    assert forms(PAUSED, "forward()") == {"+clock -duration -paused -start": (-math.inf, 0.0)}
+
+
+def test_the_clock_does_not_matter_while_its_growth_will_be_taken_back():
+    assert forms(PAUSED, "stop()") == {"+duration -pause_start +paused +start": (0.0, math.inf)}
+
+
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [
+        ("n = 0\nwhile True:\n    n += 1\n    go()\n", {}),
+        ("n = 0\nwhile n < 5:\n    n += 1\n    go()\n", {"+n": (-math.inf, 5.0)}),
+        ("n = 9\nwhile n:\n    n -= 1\n    go()\n", {"+n": (0.0, math.inf)}),
+        ("n = f()\nwhile True:\n    go()\n    h(n)\n", {"+n": (-math.inf, math.inf)}),
+        ("n = f()\nwhile True:\n    go()\n    print('at', n)\n", {"+n": (math.inf, -math.inf)}),
+        ("n = f()\ngo()\nif n == 3 or n > 7:\n    h()\n", {"+n": (3.0, 7.0)}),
+        ("n = f()\ngo()\nif 2 * n - 1 > 4:\n    h()\n", {"+n": (2.5, 2.5)}),
+        ("n = f()\ngo()\nif 3 > -n / 2:\n    h()\n", {"+n": (-6.0, -6.0)}),
+        ("n = f()\nm = f()\ngo()\nn, m = m, n\nif n > 1:\n    h()\n", {"+m": (1.0, 1.0)}),
+        ("n = f()\ngo()\nn = n if n > 1 else 2\nh(n)\n", {"+n": (-math.inf, math.inf)}),
+        ("n = f()\ngo()\nx = [n for _ in range(2)]\n", {"+n": (-math.inf, math.inf)}),
+        ("n = f()\ngo()\nx = lambda: n\nh(x())\n", {"+n": (-math.inf, math.inf)}),
+        ("n = f()\ntry:\n    go()\n    n = 1\nfinally:\n    h(n)\n", {"+n": (-math.inf, math.inf)}),
+        ("n = f()\nclass A:\n    k = 1\ngo()\nA.k = n\n", {"+n": (-math.inf, math.inf)}),
+        ("n = f()\ngo()\nmatch n:\n    case 1:\n        h()\n", {"+n": (-math.inf, math.inf)}),
+        (
+            "import time as t\ns = t.time()\ngo()\nif t.time() - s > 2:\n    h()\n",
+            {"+clock -s": (-math.inf, 2.0)},
+        ),
+        (
+            "from time import time as now\ns = now()\ngo()\nif now() - s > 2:\n    h()\n",
+            {"+clock -s": (-math.inf, 2.0)},
+        ),
+    ],
+)
+def test_small_programs(source, expected):
+    found = forms(source, "go()")
+    assert {form: bounds for form, bounds in found.items() if form not in ("+A", "+x")} == expected
+
+
+@pytest.mark.parametrize(
+    "source",
+    [
+        "def f():\n    yield 1\n",
+        "x = 1\ndel x\n",
+        "n = eval('1')\n",
+        "class A:\n    def __add__(self, other):\n        return 1\n",
+        "if (n := 3) > 2:\n    go()\n",
+    ],
+)
+def test_what_is_not_followed(source):
+    with pytest.raises(NotAnalysableError):
+        analyse(source)
+
+
+def test_a_function_that_calls_itself_keeps_its_numbers():
+    source = "def f(n):\n    if n > 0:\n        go()\n        f(n - 1)\n        h(n)\nf(3)\n"
+    assert forms(source, "go()") == {}
+    at = analyse(source)
+    assert (0, "n") in at.scopes.untracked
+
+
+CLOSES = {
+    "a loop that measures time": PAUSED,
+    "a deadline that moves": """
+end = time.time() + 1
+while time.time() < end:
+    if people_observed():
+        seen = time.time()
+        while people_observed(): stop()
+        end += time.time() - seen
+    forward()
+""",
+    "time that remains": """
+remaining, last = 1.0, time.monotonic()
+while remaining > 0:
+    now = time.monotonic()
+    if people_observed():
+        stop()
+        last = time.monotonic()
+        continue
+    forward()
+    remaining -= now - last
+    last = now
+""",
+    "how long ago": """
+last_seen, cycles = None, 0
+while True:
+    cycles += 1
+    if people_observed():
+        last_seen = time.time()
+    if last_seen is not None and time.time() - last_seen < 0.5:
+        stop()
+    else:
+        forward()
+    print(f"cycle {cycles} at {time.time():.2f}")
+""",
+    "variables of an outer function": """
+def main():
+    start, paused = time.time(), 0
+    def elapsed():
+        return time.time() - start - paused
+    def wait():
+        nonlocal paused
+        begun = time.time()
+        while people_observed():
+            stop()
+        paused += time.time() - begun
+    while elapsed() < 1:
+        if people_observed():
+            wait()
+        forward()
+main()
+""",
+    "rounds without end": """
+while True:
+    begun = time.time()
+    while time.time() - begun < 0.5:
+        forward()
+    turn_left()
+""",
+}
+
+
+@pytest.mark.parametrize("source", CLOSES.values(), ids=CLOSES)
+def test_loops_that_close(source):
+    system = compile_plan(source, DRIVE, budget=Budget(states=300))
+    assert system.cut is None
+
+
+@pytest.mark.parametrize("source", CLOSES.values(), ids=CLOSES)
+def test_they_do_not_close_by_themselves(source, monkeypatch):
+    monkeypatch.setattr(explore, "_relevance", lambda text: None)
+    assert compile_plan(source, DRIVE, budget=Budget(states=300)).cut is not None
