@@ -33,6 +33,7 @@ TESTS = st.sampled_from(
         "elapsed() < 0.3",
         "flag",
         "robot.late()",
+        "pick() > 2 and robot.since() < 0.3",
     ]
 )
 SIMPLE = st.sampled_from(
@@ -73,6 +74,11 @@ SIMPLE = st.sampled_from(
         "tick()",
         "m = spent(now)",
         "t0 += spent(now)",
+        "n = pick()",
+        "m = robot.since()",
+        "acc = sum(map(double, [n, 1]))",
+        "n, m = pair()",
+        "m = [k for k in range(4) if k < n][-1:]",
     ]
 )
 HEAD = """
@@ -111,7 +117,14 @@ def make():
             return True
         return False
     return late
+pick = lambda: m if isinstance(m, int) else 1
+def double(k):
+    return k + n
+def pair():
+    return n + 1, m
 class Robot:
+    def since(self):
+        return time.time() - t0
     def __init__(self):
         self.late = make()
         self.n = 0

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from vaso.plan.abstraction.expressions import Expressions
-from vaso.plan.abstraction.flow import Enter, Graph, Set
+from vaso.plan.abstraction.flow import Enter, Graph, Set, Use
 from vaso.plan.abstraction.forms import Affine, Var
 from vaso.plan.abstraction.scopes import Function, NotAnalysableError, Scope, Scopes, parameters
 
@@ -73,6 +73,8 @@ class Lowering(Expressions):
             return self.graph.add(Set(target), context.leave)
         temporary = self.temporary(context.scope)
         done = self.graph.add(Set(target, Affine.of(temporary)), context.leave)
+        if context.scope.number in self.scopes.escaping:
+            done = self.graph.add(Use(Affine.of(temporary)), done)  # whoever called it has it now
         return self.value(value, temporary, done, context.scope)
 
     # --- statements ------------------------------------------------------------------------------

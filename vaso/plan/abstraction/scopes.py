@@ -69,6 +69,7 @@ class Scopes:
         of: The scope of each function, comprehension and class.
         loose: Numbers of the functions that are passed about as values.
         methods: Numbers of the methods with a name.
+        escaping: Numbers of all the functions that a call may call whose callee is not certain.
         untracked: Variables whose values are always kept as they are.
 
     Raises:
@@ -81,6 +82,7 @@ class Scopes:
         self.functions: list[Function] = []
         self.of: dict[ast.AST, Scope] = {tree: self.module}
         self.loose: set[int] = set()
+        self.escaping: set[int] = set()
         self.methods: dict[str, set[int]] = defaultdict(set)
         self.untracked: set[Var] = set()
         self._stores: list[tuple[str, Scope, ast.AST]] = []
@@ -232,11 +234,11 @@ class Scopes:
 
     def _find_untracked(self) -> None:
         """A variable whose owner may have ended, or may run twice, when a function uses it."""
-        escaping = self.loose.union(*self.methods.values())
+        self.escaping = self.loose.union(*self.methods.values())
         for name, scope in [*((u.name, u.scope) for u in self._uses), *self._written()]:
             var, here = self.owner(name, scope), scope
             while var is not None and here.number != var[0] and here.parent is not None:
-                if here.number in escaping and var[0] != GLOBAL:
+                if here.number in self.escaping and var[0] != GLOBAL:
                     self.untracked.add(var)
                 here = here.parent
 
