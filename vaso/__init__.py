@@ -33,6 +33,8 @@ _EXPORTS = {
     "compose": "vaso.concurrency",
     "preempt": "vaso.concurrency",
     "Member": "vaso.concurrency",
+    "LabelReport": "vaso.labels",
+    "validate_labels": "vaso.labels",
     "check": "vaso.feasibility",
     "satisfiable": "vaso.feasibility",
     "realizability": "vaso.synthesis",
@@ -45,6 +47,7 @@ _EXPORTS = {
 
 __all__ = [
     "Counterexample",
+    "LabelReport",
     "Member",
     "OptimizationResult",
     "Plan",
@@ -70,6 +73,7 @@ __all__ = [
     "satisfiable",
     "shipped_skills",
     "textual_gradient",
+    "validate_labels",
     "verify",
     "verify_many",
     "write_skill",
@@ -80,6 +84,7 @@ if TYPE_CHECKING:
     from vaso.errors import VasoError
     from vaso.feasibility import check, satisfiable
     from vaso.gradient import TextualGradient, textual_gradient
+    from vaso.labels import LabelReport, validate_labels
     from vaso.optimizers import OptimizationResult, optimize
     from vaso.parallel import verify_many
     from vaso.plan import Plan, TransitionSystem, compile_plan

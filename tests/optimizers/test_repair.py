@@ -69,7 +69,7 @@ def test_a_template_that_does_not_parse_has_no_edits():
     params = Parameters(SKILL, changes={"plan_template": "while ("})
 
     class Nothing:
-        result, score, verified = None, 0.0, False
+        result, score, verified, feedback = None, 0.0, False, {}
 
     state = State(1, params, {Case("x"): Nothing()}, (), None, None, lambda p, c: Nothing())
     assert list(Repair().propose(state)) == []

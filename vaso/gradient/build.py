@@ -9,6 +9,7 @@ from vaso.errors import VasoError
 from vaso.gradient.blame import Blame, blame
 from vaso.gradient.model import PASS_TEXT, Edit, Level, TextualGradient
 from vaso.gradient.trace import trace_table
+from vaso.labels.feedback import label_feedback
 from vaso.platforms import Platform, get_platform
 from vaso.skill import Skill
 from vaso.verdict import SpecResult, Verdict, VerificationResult
@@ -40,7 +41,7 @@ def textual_gradient(
         from vaso.concurrency.gradient import joint_gradient
 
         return joint_gradient(result, level=level)
-    if result:
+    if result and not _differing(result):
         return TextualGradient(level=level, score=result.safety, passed=True, verdict=PASS_TEXT)
     rank = list(Level).index(level)
     observed = observations(result, skill)
@@ -92,8 +93,17 @@ def _sensors(skill: Skill | None) -> dict[str, str]:
     return {p.name: p.sensor for p in platform.propositions if p.sensor} if platform else {}
 
 
+def _differing(result: VerificationResult) -> list[str]:
+    """Propositions of the rules whose labels are wrong about the robot."""
+    return [c.name for c in result.labels.differing] if result.labels is not None else []
+
+
 def _verdict(result: VerificationResult) -> str:
+    wrong = [label_feedback(result.labels, names) for names in [_differing(result)] if names]
+    if result:
+        return "\n".join(["every rule passes, but not for this robot:", *wrong])
     lines = [f"violates {s.formula}" for s in result.failures if s.verdict is Verdict.FAIL]
+    lines = [*wrong, *lines]
     if result.problem is not None:
         return "\n".join([*lines, f"cannot be verified: {result.problem.message}"])
     open_: dict[str, list[str]] = {}

@@ -44,7 +44,7 @@ class TextualGradient(BaseModel):
     Attributes:
         level: The level it was asked for.
         score: The plan's safety, in [0, 1].
-        passed: True when every formula passes.
+        passed: True when every formula passes and no label is shown to be wrong.
         verdict: One sentence per violated formula.
         trace: The counterexamples as tables.
         blame: Which plan line is to blame in which step, and why.

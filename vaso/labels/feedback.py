@@ -22,8 +22,10 @@ def label_feedback(report: LabelReport | None, names: Iterable[str] | None = Non
     if report is None:
         return ""
     chosen = report.wrong if names is None else [c for c in report.wrong if c.name in set(names)]
-    told = "\n".join(line for comparison in chosen for line in _told(comparison))
-    return f"{HEAD}\n{told}" if told else ""
+    if not chosen:
+        return ""
+    told = [line for comparison in chosen for line in _told(comparison)]
+    return "\n".join([f"{HEAD} {', '.join(c.name for c in chosen)}", *told])
 
 
 HEAD = "the labels do not tell the truth about the robot:"

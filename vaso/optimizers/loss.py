@@ -14,7 +14,7 @@ from vaso.gradient.model import Edit, Level, TextualGradient
 from vaso.lm import explain
 from vaso.ltl import Unary, parse, propositions, variables
 from vaso.modules.symbolic import SymbolicPlanner
-from vaso.optimizers.alignment import misaligned
+from vaso.optimizers.alignment import Alignment
 from vaso.optimizers.base import Case, LossValue
 from vaso.optimizers.completion import Purpose, completion, purpose, purpose_of_text
 from vaso.optimizers.once import Once
@@ -43,7 +43,7 @@ class _Judged:
 
     result: VerificationResult
     purpose: Purpose | None
-    misaligned: frozenset[str]
+    labels: Alignment
 
 
 class SkillLoss:
@@ -176,7 +176,7 @@ class SkillLoss:
             return _Judged(
                 replace(result, system=None),
                 purpose(system, self.platform) if system else None,
-                misaligned(system, self.platform) if system else frozenset(),
+                Alignment(skill, result, self.platform),
             )
 
         return self._judged.get(key, judge)
@@ -211,21 +211,20 @@ class SkillLoss:
         """What the first plan for a case can do, and where its labels were wrong already."""
         plan = self._plan(self.initial, case)
         judged = self._judge(self.initial.skill, plan)
-        return judged.purpose or purpose_of_text(plan.source, self.platform), judged.misaligned
+        return judged.purpose or purpose_of_text(plan.source, self.platform), judged.labels.wrong
 
     def _value(self, params: Parameters, case: Case, plan: Plan) -> LossValue:
         skill = params.skill
         judged = self._judge(skill, plan)
         reference, accepted = self._reference(case)
-        if lies := sorted(judged.misaligned - accepted):
-            message = f"the labels do not tell the truth about the robot: {', '.join(lies)}"
+        if message := judged.labels.told(judged.labels.wrong - accepted):
             return LossValue.malformed({"labelling_code": message}, self.level)
         kept, lost = completion(reference, judged.purpose)
-        result = judged.result
+        result, safety = judged.result, judged.labels.safety(judged.result)
         return LossValue(
-            score=score_of(bool(result), result.safety),
+            score=score_of(bool(result) and safety == result.safety, safety),
             make_gradient=lambda: self._gradient(result, params, case),
-            feedback=_feedback(result),
+            feedback=judged.labels.feedback(_feedback(result)),
             result=result,
             plan=plan.source,
             completion=kept,

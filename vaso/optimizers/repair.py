@@ -13,7 +13,7 @@ from vaso.gradient.edits import propose_edits
 from vaso.optimizers.base import Proposal, State
 from vaso.verdict import SpecResult
 
-TEXT, RULE = "plan_template", "local_rule"
+TEXT, RULE, LABELS = "plan_template", "local_rule", "labelling_code"
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,10 @@ class Repair:
 
     def propose(self, state: State) -> Iterator[Proposal]:
         """Yield edits: of the local rule where no plan can keep it, then of the template."""
-        if RULE in state.params.trainable:
+        if any(RULE in value.feedback for value in state.values.values()):
             yield from _refined(state)
+        if all(value.feedback.keys() == {LABELS} for _, value in state.failing):
+            return  # only the labels are wrong: no edit of a plan makes them right
         level = [Proposal({TEXT: state.params[TEXT]})]
         for _ in range(self.size if TEXT in state.params.trainable else 0):
             found: list[Proposal] = []
@@ -63,7 +65,7 @@ class Repair:
 
 def _refined(state: State) -> Iterator[Proposal]:
     """The smallest change of the local rule after which some plan can keep the contract."""
-    found = check(state.params.skill).realizability
+    found = check(state.params.skill).realizability if RULE in state.params.trainable else None
     if found is not None and found.refinement is not None:
         edit = found.refinement.edit(state.params[RULE])
         yield Proposal({RULE: edit.after}, edit.description)
