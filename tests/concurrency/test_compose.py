@@ -350,6 +350,12 @@ def test_a_plan_that_is_no_program_makes_everything_unsupported():
     assert "right" in result.problem.message
 
 
+def test_a_system_that_can_get_stuck_is_refused():
+    stuck = TransitionSystem((State("s", labels={"on": False}),), ((),))
+    with pytest.raises(SkillError, match="not total"):
+        vaso.compose({"a": stuck, "b": toggle()}, ["G !(a.on & b.on)"])
+
+
 def test_no_rule_is_no_pass():
     assert vaso.compose(PAIR).verdict is not Verdict.PASS
 

@@ -12,7 +12,7 @@ from vaso.concurrency.result import CompositionResult, MemberSummary
 from vaso.concurrency.rules import Gathering, Text, parsed
 from vaso.concurrency.schedule import Mode, Schedule, make_schedule
 from vaso.concurrency.sharing import Share, wire
-from vaso.errors import LabellingError, PlanError, UnsupportedPlanError
+from vaso.errors import LabellingError, PlanError, SkillError, UnsupportedPlanError
 from vaso.ltl import Formula, ParsedFormula, Proposition, propositions, to_english, variables
 from vaso.plan.explore import Budget
 from vaso.verdict import Problem, SpecResult, Verdict
@@ -99,6 +99,7 @@ def compose(
             explored.append(part.explore(_needed(part, texts, groups), budget))
         except (PlanError, LabellingError) as error:
             return _not_compiled(part, error, texts, mode, time.perf_counter() - started)
+        _require_total(explored[-1])
         if on_progress:
             on_progress("exploring", len(explored))
     schedule = make_schedule(mode, [m.name for m in explored], [m.system.dt for m in explored])
@@ -115,6 +116,14 @@ def compose(
     )  # fmt: skip
     found = questions.answer(asked)
     return _result(explored, schedule, found, mode, time.perf_counter() - started)
+
+
+def _require_total(member: Explored) -> None:
+    """Refuse a member that can get stuck: what comes after that would hold of nothing."""
+    try:
+        member.system.check_total()
+    except LookupError as error:
+        raise SkillError(f"the system of '{member.name}' is not total: {error}") from error
 
 
 def _needed(
