@@ -1,14 +1,16 @@
 """Results come back exactly as they were."""
 
 import json
-from dataclasses import dataclass, replace
+import re
+from dataclasses import dataclass, fields, is_dataclass, replace
+from importlib import import_module
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from vaso import load_skill, shipped_skills, verify
-from vaso.memo.codec import CodecError, decode, encode
+from vaso.memo.codec import RECORDS, CodecError, decode, encode
 from vaso.verdict import Problem, Verdict
 
 SCALARS = st.none() | st.booleans() | st.integers() | st.text() | st.floats(allow_nan=False)
@@ -51,6 +53,16 @@ def test_results_and_systems_of_the_faulty_skills(name):
     assert found == replace(result, system=None) and found.system is None
     assert found.to_json() == result.to_json()
     assert decode(json.loads(json.dumps(encode(result.system)))) == result.system
+
+
+def test_every_class_that_a_result_can_hold_is_known():
+    """A guard: whoever adds a field with a class of its own has to add the class to the codec."""
+    plain = {"Any", "Mapping", "None", "Scalar", "Label", "Guard", "Said"}
+    for name, module in RECORDS.items():
+        record = getattr(import_module(module), name)
+        if is_dataclass(record):
+            named = {n for f in fields(record) for n in re.findall(r"\b[A-Z]\w+", str(f.type))}
+            assert named - plain <= set(RECORDS), f"{name} holds {named - plain - set(RECORDS)}"
 
 
 def test_a_plan_that_is_wrong():

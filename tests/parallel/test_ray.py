@@ -81,4 +81,4 @@ def test_time_and_closing_end_actors(drive, ray):
     assert "time-out" in slow.problem.message and good
     with verify_many([SLOW, GOOD], drive, **options) as batch:
         assert next(batch).index == 1
-    assert eventually(lambda: not actors() and not sandboxes())
+    assert eventually(lambda: not actors() and not sandboxes(), 60), descendants()

@@ -9,6 +9,7 @@ import typer
 from vaso import __version__
 from vaso.cli import (
     bench,
+    cache,
     certify,
     check,
     compare,
@@ -68,3 +69,4 @@ for command in (
 ):
     app.command()(command)
 app.add_typer(bench.app, name="bench")
+app.add_typer(cache.app, name="cache")

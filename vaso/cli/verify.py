@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -23,7 +23,11 @@ from vaso.cli.common import (
     leave,
     write_text,
 )
+from vaso.errors import PlanError
 from vaso.verdict import VerificationResult
+
+if TYPE_CHECKING:
+    from vaso.skill import Skill
 
 BRIEFLY, WATCHING = 2.0, 60.0
 """Seconds for finding out which lines run: by default, and where they are shown."""
@@ -47,32 +51,31 @@ def verify(
         bool, typer.Option("--coverage", help="Show which lines of the plan run, and the rest.")
     ] = False,
     html: Annotated[Path | None, typer.Option(help="Write an HTML report to a file.")] = None,
+    plans: Annotated[
+        str | None,
+        typer.Option(help="A folder of plans (*.py), or a pattern in quotes: many at a time."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="With --plans: how many at a time; one a core.")
+    ] = None,
+    no_memo: Annotated[
+        bool, typer.Option("--no-memo", help="Verify again what is known from before.")
+    ] = False,
     as_json: JsonOption = False,
 ) -> None:
     """Verify a plan: explore all its behaviours and model-check every rule.
 
     Exit code 0: every rule holds, 1: one is violated, 2: the plan is not a program of this skill,
     3: not known or not supported, or every rule holds for labels that are wrong about the robot.
+    With --plans: 1 if any plan is refuted, else 2 or 3 if that is so of any, else 0.
     """
-    from vaso.cli.progress import VerificationProgress
-    from vaso.plan.explore import Budget
-    from vaso.plan.model import Plan
-    from vaso.verification import verify as check_rules
-
     chosen = get_skill(skill, version, name, platform)
-    read = get_plan(plan) if plan else Plan(source=chosen.plan_template)
-    budget = Budget(states=states)
-    with VerificationProgress(budget, timeout) as progress:
-        result = check_rules(
-            chosen,
-            read,
-            platform=platform,
-            specs=spec or (),
-            budget=budget,
-            timeout=timeout,
-            coverage=WATCHING if coverage or html else BRIEFLY,
-            on_progress=progress,
-        )
+    options: dict[str, Any] = {"platform": platform, "specs": spec or ()}
+    if plans is not None:
+        _refuse_both(plan, html, coverage)
+        _verify_all(chosen, plans, workers, no_memo, states, timeout, as_json, options)
+    watching = WATCHING if coverage or html else BRIEFLY
+    result = _verify_one(chosen, plan, no_memo, states, timeout, {**options, "coverage": watching})
     if html:
         from vaso.report.html import verification_html
 
@@ -86,6 +89,81 @@ def verify(
 
             console().print(coverage_view(result.coverage, result.plan))
     leave(exit_code(result))
+
+
+def _verify_one(
+    skill: Skill,
+    plan: str | None,
+    no_memo: bool,
+    states: int,
+    timeout: float,
+    options: dict[str, Any],
+) -> VerificationResult:
+    from vaso.cli.progress import VerificationProgress
+    from vaso.memo import default_memo, verify_remembered
+    from vaso.plan.explore import Budget
+    from vaso.plan.model import Plan
+
+    read = get_plan(plan) if plan else Plan(source=skill.plan_template)
+    budget = Budget(states=states)
+    with VerificationProgress(budget, timeout) as progress:
+        return verify_remembered(
+            skill,
+            read,
+            memo=None if no_memo else default_memo(),
+            with_system=True,
+            timeout=timeout,
+            on_progress=progress,
+            budget=budget,
+            **options,
+        )
+
+
+def _refuse_both(plan: str | None, html: Path | None, coverage: bool) -> None:
+    """What only a single plan has.
+
+    Raises:
+        PlanError: An option for a single plan was given.
+    """
+    given = {"--plan": plan is not None, "--html": html is not None, "--coverage": coverage}
+    for option in (name for name, is_given in given.items() if is_given):
+        raise PlanError(f"{option} is for a single plan, and --plans for many")
+
+
+def _verify_all(
+    skill: Skill,
+    plans: str,
+    workers: int | None,
+    no_memo: bool,
+    states: int,
+    timeout: float,
+    as_json: bool,
+    options: dict[str, Any],
+) -> None:
+    import time
+
+    from vaso.cli import verify_many as many
+    from vaso.parallel import verify_many
+    from vaso.plan.explore import Budget
+
+    paths, started = many.find_plans(plans), time.monotonic()
+    budget = Budget(states=states)
+    batch = verify_many(
+        paths,
+        skill,
+        workers=workers,
+        timeout=budget.seconds + 2 * timeout,
+        memo=not no_memo,
+        budget=budget,
+        **options,
+    )
+    results = many.follow(batch)
+    seconds = time.monotonic() - started
+    if as_json:
+        many.as_data(skill.name, paths, results, seconds)
+    else:
+        many.show(paths, results, seconds)
+    leave(many.worst(map(exit_code, results)))
 
 
 def exit_code(result: VerificationResult) -> ExitCode:

@@ -26,6 +26,9 @@ RECORDS: dict[str, str] = {
         ("LabelComparison", "LabelReport", "LabelStatus", "LabelWitness"), "vaso.labels.result"
     ),
     **dict.fromkeys(("Branch", "Coverage"), "vaso.verification.coverage"),
+    **dict.fromkeys(
+        ("LabelStatus", "LabelWitness", "LabelComparison", "LabelReport"), "vaso.labels.result"
+    ),
     **dict.fromkeys(("Bound", "Witness", "BetweenSamples"), "vaso.dynamics.result"),
     **dict.fromkeys(("Sensor", "Case", "Edge", "State", "Cut", "TransitionSystem"), _SYSTEMS),
 }

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from vaso.errors import MissingDependencyError
+from vaso.errors import MissingDependencyError, VerifierError
 from vaso.parallel.crew import Event, Lost, Reply
 from vaso.parallel.job import greeting, perform_packed
 from vaso.parallel.processes import usable_cores
@@ -58,7 +58,11 @@ class RayCrew:
         self.workers = workers or usable_cores()
 
     def start(self) -> RayWorker:
-        """Start an actor."""
+        """Start an actor.
+
+        Raises:
+            VerifierError: Ray does not start.
+        """
         if self._actor is None:
             self._join()
         actor = self._actor.remote()
@@ -69,16 +73,20 @@ class RayCrew:
     def _join(self) -> None:
         ray = self._ray
         if not ray.is_initialized():
-            ray.init(
-                num_cpus=self.workers,
-                include_dashboard=False,
-                log_to_driver=False,
-                logging_level="ERROR",
-            )
             self._is_ours = True
+            self._init()
         cores = max(1, int(ray.cluster_resources().get("CPU", 1)))
         self.workers = min(self._wanted or cores, cores)
         self._actor = ray.remote(num_cpus=1, max_restarts=0, max_task_retries=0)(_Verifier)
+
+    def _init(self) -> None:
+        quiet = {"include_dashboard": False, "log_to_driver": False, "logging_level": "ERROR"}
+        try:
+            self._ray.init(num_cpus=self.workers, **quiet)
+        except Exception as error:
+            raise VerifierError(
+                f"Ray does not start: {error}", hint="executor='processes' needs no Ray"
+            ) from error
 
     def send(self, worker: RayWorker, job: bytes) -> None:
         """Give a job to an actor."""

@@ -71,7 +71,8 @@ def summary(result: VerificationResult) -> Text:
     if result.specs:
         text.append(f"   {kept} of {len(result.specs)} rules hold", style="default not bold")
     size = f"   {result.states} states, {result.transitions} transitions" if result.states else ""
-    return text.append(f"{size}   {seconds(result.seconds)}", style="dim not bold")
+    known = "   from memo" if result.from_memo else ""
+    return text.append(f"{size}   {seconds(result.seconds)}{known}", style="dim not bold")
 
 
 def rules_table(result: VerificationResult) -> Table:
