@@ -82,3 +82,43 @@ def test_only_a_single_exception_of_its_own_is_stood_in_for():
 def test_what_only_the_compiler_refuses(source):
     with pytest.raises(PlanError, match="not valid Python"):
         compile_plan(source, DRIVE)
+
+
+QUITS = """
+import sys
+import logging, math
+log = logging.getLogger(__name__)
+logging.basicConfig(level=logging.INFO)
+n = 0
+try:
+    while True:
+        n += 1
+        log.info('round %d at %.1f', n, time.time())
+        forward()
+        if people_observed():
+            {leave}
+finally:
+    stop()
+"""
+
+
+@pytest.mark.parametrize("leave", ["sys.exit(1)", "exit()", "quit()", "raise SystemExit"])
+def test_plans_may_leave_and_write_logs(leave):
+    system = compile_plan(QUITS.format(leave=leave), DRIVE)
+    assert system.cut is None and not system.warnings
+    assert [s.note for s in system.states][-1] == "the plan has ended by itself"
+    assert {s.line for s in system.states} == {None, 11, 15}
+
+
+@pytest.mark.parametrize(
+    ("source", "word"),
+    [
+        ("import sys\nsys.stdout.write('x')\nforward()\n", "imports 'sys'"),
+        ("import os\nforward()\n", "imports 'os'"),
+        ("input('ready?')\nforward()\n", "calls 'input'"),
+        ("from logging import info\nforward()\n", "imports 'logging'"),
+    ],
+)
+def test_what_is_not_there(source, word):
+    with pytest.raises(UnsupportedPlanError, match=word):
+        compile_plan(source, DRIVE)

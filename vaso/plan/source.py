@@ -28,7 +28,14 @@ from vaso.plan.rewrite import (
     mark_edits,
     round_prelude,
 )
-from vaso.plan.stand_ins import enum_edits, enum_prelude, exception_edits
+from vaso.plan.stand_ins import (
+    enum_edits,
+    enum_prelude,
+    exception_edits,
+    module_edits,
+    module_prelude,
+    replaced_modules,
+)
 from vaso.plan.toplevel import TopLevel
 
 MODULES = frozenset(
@@ -93,13 +100,15 @@ def prepare(
     edits = list(alias_edits(tree))
     edits += enum_edits(tree, name)
     edits += exception_edits(tree)
+    edits += module_edits(tree)
     edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
     top = TopLevel(tree, name, known)
     tail = top.entry_call()
     if trajectory:
         edits += [*mark_edits(tree), *last_value_edits(tree, tail)]
         tail += collect_call(tree)
-    prelude = PRELUDE + (MARKER if trajectory else "") + enum_prelude(tree) + round_prelude(tree)
+    prelude = PRELUDE + (MARKER if trajectory else "")
+    prelude += enum_prelude(tree) + round_prelude(tree) + module_prelude(tree)
     body = apply_edits(source, edits).rstrip("\n")
     return Program(
         prelude=prelude,
@@ -185,10 +194,13 @@ def without_aliases(source: str, tree: ast.AST) -> str:
 
 
 def _check_imports(tree: ast.AST, name: str, known: Collection[str]) -> None:
+    replaced = replaced_modules(tree)
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and _imports_own_functions(node, known):
             continue
         for module in _imported(node):
+            if isinstance(node, ast.Import) and module in replaced:
+                continue
             if module.split(".")[0] not in MODULES:
                 raise UnsupportedPlanError(
                     f"the plan imports '{module}', which is not available to plans",

@@ -6,6 +6,7 @@ command; a plan that ends leaves its last command in force for ever.
 
 from __future__ import annotations
 
+import builtins
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
@@ -323,6 +324,10 @@ class Stepper:
             return self._cut(what, line, True, here, lab)
         if event.error in _BROKEN or is_breakdown(event.error, event.message):
             return self._cut(what, line, False, here, lab)
+        if event.error == "SystemExit":
+            return self._hold(
+                here, plan=None, lab=lab, turn=Turn.END, note="the plan has ended by itself"
+            )
         at = f"line {line}: " if line else ""
         self.warnings[f"{at}{what}; the last command stays in force"] = None
         return self._hold(
@@ -365,6 +370,12 @@ class Stepper:
                 source=self.name,
                 line=event.line,
                 hint="a plan only calls the skill's functions, computes and sleeps",
+            )
+        if hasattr(builtins, event.name):
+            return UnsupportedPlanError(
+                f"the plan calls '{event.name}', which is not available to plans",
+                source=self.name,
+                line=event.line,
             )
         return PlanError(
             f"the function '{event.name}' is not defined", source=self.name, line=event.line

@@ -13,6 +13,7 @@ from vaso.plan.abstraction.scopes import COMPREHENSIONS, Comprehension, Scope, S
 
 CLOCKS = frozenset({"time", "monotonic", "perf_counter"})
 _PURE_MODULES = frozenset({"math"})
+_MESSAGES = frozenset({"debug", "info", "warning", "error", "critical", "exception"})
 _TEMPORARY = "%"
 _RETURNED = "%return"
 _SHOWN = frozenset({"round", "str", "int", "float", "format", "repr", "abs", "len"})
@@ -109,6 +110,8 @@ class Expressions:
             return self._load(
                 node.id, held, self.graph.add(Use(Affine.of(held), "kind"), after), scope
             )
+        if self._logs(node, scope):
+            return self._all_ignored(node.args, after, scope)
         if _is_format(node):
             return self._all_ignored(node.args, after, scope)
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
@@ -121,6 +124,19 @@ class Expressions:
             if name in _SHOWN and plain and not own:
                 return self._all_ignored(node.args, after, scope)
         return self.value(node, self.temporary(scope), after, scope)
+
+    def _logs(self, node: ast.expr, scope: Scope) -> TypeGuard[ast.Call]:
+        """A message for the log, which is not written here."""
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+            return False
+        root = node.func.value
+        plain = not node.keywords and not any(isinstance(a, ast.Starred) for a in node.args)
+        if node.func.attr not in _MESSAGES or not isinstance(root, ast.Name) or not plain:
+            return False
+        var = self.scopes.owner(root.id, scope)
+        if var is None:
+            return root.id == "logging" and not self.scopes.hidden(root.id, scope)
+        return var in self.scopes.loggers
 
     def _all_ignored(self, nodes: Sequence[ast.expr], after: int, scope: Scope) -> int:
         for node in reversed(nodes):

@@ -7,7 +7,7 @@ import builtins
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import TypeAlias, TypeGuard
 
 from vaso.plan.abstraction.forms import GLOBAL, Var
 
@@ -70,6 +70,7 @@ class Scopes:
         loose: Numbers of the functions that are passed about as values.
         methods: Numbers of the methods with a name.
         escaping: Numbers of all the functions that a call may call whose callee is not certain.
+        loggers: Variables that can only be ``logging.getLogger(…)``.
         untracked: Variables whose values are always kept as they are.
 
     Raises:
@@ -85,6 +86,7 @@ class Scopes:
         self.escaping: set[int] = set()
         self.methods: dict[str, set[int]] = defaultdict(set)
         self.untracked: set[Var] = set()
+        self.loggers: set[Var] = set()
         self._stores: list[tuple[str, Scope, ast.AST]] = []
         self._uses: list[_Use] = []
         self._attributes: set[str] = set()
@@ -101,6 +103,10 @@ class Scopes:
                 self._bindings[var].append(node)
         self._find_loose()
         self._find_untracked()
+        made = {id(n.targets[0]) for n in ast.walk(tree) if _makes_logger(n)}
+        for var, ways in self._bindings.items():
+            if all(id(way) in made for way in ways):
+                self.loggers.add(var)
 
     def variables(self) -> Iterable[Var]:
         """Every variable."""
@@ -264,6 +270,12 @@ def _bound(node: ast.AST) -> list[str]:
     if isinstance(node, ast.MatchMapping):
         return [node.rest] if node.rest else []
     return []
+
+
+def _makes_logger(node: ast.AST) -> TypeGuard[ast.Assign]:
+    if not isinstance(node, ast.Assign) or not isinstance(node.value, ast.Call):
+        return False
+    return isinstance(node.value.func, ast.Attribute) and node.value.func.attr == "getLogger"
 
 
 def _refuse(tree: ast.Module) -> None:
