@@ -98,6 +98,7 @@ def feasibility_cell(result: FeasibilityResult) -> str:
     rows = [_level(result.satisfiable.sat, "Some behaviour keeps all rules")]
     rows.append(_level(result.exercisable, occurs))
     rows += [_trigger(t) for t in result.triggers]
+    rows.append(_level(result.realizable, "Some plan keeps all rules, whatever is sensed"))
     remarks = [el("p", f"assuming {a}", cls="banner") for a in result.assumptions]
     remarks += [el("p", result.reason, cls="banner")] if result.reason else []
     return cell(head, el("div", rows, cls="card rules"), remarks, _conflict(result))
@@ -114,8 +115,11 @@ def _trigger(exercise: Exercise) -> Markup:
 
 
 def _conflict(result: FeasibilityResult) -> Markup | None:
-    if result.conflict is None:
-        return None
     rules = [el("li", el("code", rule)) for rule in result.core]
+    if result.conflict is None:
+        play = result.realizability.counterplay if result.realizability is not None else None
+        told = el("pre", "\n".join(play.lines()), cls="wrap") if play else None
+        feedback = el("p", result.feedback, cls="banner fail")
+        return el("div", feedback, el("ul", rules), told, cls="card") if rules else None
     told = el("pre", result.conflict.explanation(), cls="wrap")
     return el("div", el("p", result.feedback, cls="banner fail"), el("ul", rules), told, cls="card")

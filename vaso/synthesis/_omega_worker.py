@@ -37,7 +37,8 @@ class Encoded:
         self.done = _bits("a", game["outputs"])
         self.states = [_bits(f"q{i}", len(m["after"])) for i, m in enumerate(self.monitors)]
         ours = [*self.done, *(b for bits in self.states for b in bits)]
-        self.aut.declare_variables(**dict.fromkeys([*self.given, *ours], "bool"))
+        for bit in (*self.given, *ours):  # one by one: the order of the diagrams' variables
+            self.aut.declare_variables(**{bit: "bool"})
         sides = ("sys", "env") if dual else ("env", "sys")
         self.aut.varlist = {sides[0]: list(self.given), sides[1]: ours}
         self.aut.action[sides[0]] = self.aut.true

@@ -18,7 +18,7 @@ from vaso.feasibility.comparisons import Bound, Form, bound, forms_of
 from vaso.feasibility.linear import solve
 from vaso.feasibility.roles import Role, role_finder
 from vaso.ltl import Atom, Comparison, Formula, Proposition, atoms, compare
-from vaso.plan.transition_system import Scalar, Sensor, State
+from vaso.plan.transition_system import Scalar, Sensor
 from vaso.platforms import Platform
 from vaso.skill import Skill
 from vaso.synthesis.arena import Arena, Table
@@ -26,7 +26,7 @@ from vaso.synthesis.probing import Probe, names_in, probe
 
 __all__ = ["Alphabet", "alphabet"]
 
-MAX_INPUTS = 1_024
+MAX_INPUTS = 4_096
 MAX_OUTPUTS = 512
 
 
@@ -75,7 +75,7 @@ def alphabet(skill: Skill, platform: Platform, formulas: Sequence[Formula]) -> A
         own = _own(found, inputs, _observed(inputs, world), seen)
     mixed = sorted(n for n in names - {*world} if not found.by_command(n))
     if mixed:
-        reason = f"'{mixed[0]}' depends on the command and on sensors at once"
+        reason = f"'{mixed[0]}' depends on sensors and on what the robot did"
         return Alphabet(None, own, False, found, reason)
     labels = {n: v for n, v in found.rest.labels.items() if n in names}
     outer = _Conceivable(platform, seen, inputs, world, labels).arena(own)
@@ -84,7 +84,7 @@ def alphabet(skill: Skill, platform: Platform, formulas: Sequence[Formula]) -> A
 
 def _missing(found: Probe, own: Arena | None, outer: Arena | None) -> str:
     if outer is None:
-        return "the rules compare too many numbers"
+        return "there are too many combinations of what the robot can do"
     if own is None and found.unsteady:
         name = min(found.unsteady)
         return f"'{name}' depends on more than the command in force"
@@ -151,13 +151,17 @@ def _own(
 ) -> Arena:
     states = found.states
 
-    def value(state: State, given: Mapping[str, Scalar], atom: Atom) -> bool:
-        step = state.label(given, names_in([atom]))
+    def value(given: int, done: int, atom: Atom) -> bool:
+        step = states[done].label(inputs[given], names_in([atom]))
         return compare(atom, step) if isinstance(atom, Comparison) else bool(step[atom.name])
 
     def table(atom: Atom) -> Table:
-        rows = [[value(s, e, atom) for s in states] for e in inputs]
-        return Table.of(len(inputs), len(states), lambda e, a: rows[e][a])
+        names = names_in([atom])
+        if all(found.by_command(n) for n in names):
+            return Table(by_output=tuple(value(0, a, atom) for a in range(len(states))))
+        if all(found.by_sensors(n) for n in names):
+            return Table(by_input=tuple(value(e, 0, atom) for e in range(len(inputs))))
+        return Table.of(len(inputs), len(states), lambda e, a: value(e, a, atom))
 
     outputs = ("(at rest)", *found.commands)
     usable = tuple(range(1, len(states)))

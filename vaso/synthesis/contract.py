@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from vaso.errors import FormulaError
-from vaso.ltl import FALSE, TRUE, Formula, nnf, simplify
+from vaso.ltl import FALSE, TRUE, Formula, nnf, simplify, size
 from vaso.skill import Rule
 from vaso.synthesis.alphabet import Alphabet
 from vaso.synthesis.arena import Arena
@@ -20,6 +20,9 @@ from vaso.synthesis.game import Game
 from vaso.synthesis.monitor import Monitor, monitor
 
 __all__ = ["Contract", "Watched"]
+
+MAX_SIZE = 300
+"""Formulas with more nodes are left outside."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,8 @@ class Contract:
         return [w for w in found if w.reason]
 
     def _reason(self, formula: Formula, arena: Arena | None) -> str:
+        if size(formula) > MAX_SIZE:
+            return "it is too long"
         if not is_recurrence(simplify(nnf(formula))):
             return "it speaks of what holds from some time on for ever"
         built = self._monitor(formula, arena) if arena else ""
@@ -99,7 +104,9 @@ class Contract:
             self._within(r.formula, arena, of_assumptions, no_assumption) for r in self.assumptions
         ]
         rules = [self._within(r.formula, arena, of_rules, no_rule) for r in self.rules]
-        return Game(arena, tuple(assumptions), tuple(rules), tuple(r.text for r in self.rules))
+        watched = [m.formula for m in (*assumptions, *rules)]
+        texts = tuple(r.text for r in self.rules)
+        return Game(arena.reduced(watched), tuple(assumptions), tuple(rules), texts)
 
     def _within(
         self,
@@ -109,7 +116,8 @@ class Contract:
         otherwise: Formula,
     ) -> Monitor:
         """The monitor of a formula, or of what replaces it, or of a constant at the worst."""
-        for candidate in (formula, replace(formula), otherwise):
+        candidates = [formula, replace(formula)] if size(formula) <= MAX_SIZE else []
+        for candidate in (*candidates, otherwise):
             built = self._monitor(candidate, arena)
             if isinstance(built, Monitor):
                 return built

@@ -76,6 +76,14 @@ class CounterPlay:
     strategy: Sensors | None = None
     game: Game | None = None
 
+    def lines(self) -> list[str]:
+        """One line of text a step: what is observed, and what the robot can still do."""
+        rows = []
+        for i, step in enumerate(self.steps):
+            seen = ", ".join(f"{n} = {v}" for n, v in step.observed.items()) or "nothing observed"
+            rows.append(f"step {i}: {seen}; possible: {', '.join(step.possible) or 'nothing'}")
+        return rows if self.loop_start is None else [*rows, f"↺ back to step {self.loop_start}"]
+
     def to_json(self) -> dict[str, Any]:
         """Plain data for ``--json``."""
         return {

@@ -17,18 +17,14 @@ from __future__ import annotations
 from vaso.ltl import FALSE, TRUE, Binary, Formula, Unary, nnf, simplify
 from vaso.ltl.traverse import PAST_OPERATORS, fold, operands, rebuild, subformulas
 
-__all__ = ["is_recurrence", "must_come_about", "stronger", "weaker"]
+__all__ = ["is_guarantee", "is_recurrence", "stronger", "weaker"]
 
 _FUTURE = frozenset("XFGUVW")
 
 
-def must_come_about(formula: Formula) -> bool:
-    """Tell whether a formula in negation normal form waits for something, and for ever for nothing.
-
-    Such a formula is a guarantee by its form, and no safety property.
-    """
-    found = {_op(f) for f in subformulas(formula)}
-    return not found & {"G", "W", "V"} and bool(found & {"F", "U"})
+def is_guarantee(formula: Formula) -> bool:
+    """Tell whether a formula in negation normal form is a guarantee by its form."""
+    return all(_op(f) not in ("G", "W", "V") for f in subformulas(formula))
 
 
 def is_recurrence(formula: Formula) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 
 from vaso.ltl import Atom
 from vaso.synthesis.arena import Arena
-from vaso.synthesis.monitor import Monitor
+from vaso.synthesis.monitor import Letter, Monitor
 
 __all__ = ["Game", "Situation"]
 
@@ -50,7 +50,7 @@ class Game:
 
     def after(self, situation: Situation, given: int, done: int) -> Situation:
         """The situation after a state with an input and an output."""
-        columns = self._columns[given][done]
+        columns = self._columns(given, done)
         return tuple(
             m.after[s][c] for m, s, c in zip(self._monitors, situation, columns, strict=True)
         )
@@ -69,20 +69,21 @@ class Game:
         return self.assumptions + self.rules
 
     @cached_property
-    def _columns(self) -> list[list[tuple[int, ...]]]:
-        """The letter that each monitor sees, by input and output."""
-        arena = self.arena
-        numbers = [{letter: i for i, letter in enumerate(m.letters)} for m in self._monitors]
-        return [
-            [
-                tuple(
-                    n[arena.letter(m.atoms, e, a)]
-                    for m, n in zip(self._monitors, numbers, strict=True)
-                )
-                for a in range(len(arena.outputs))
-            ]
-            for e in range(len(arena.inputs))
-        ]
+    def _numbers(self) -> list[dict[Letter, int]]:
+        return [{letter: i for i, letter in enumerate(m.letters)} for m in self._monitors]
+
+    @cached_property
+    def _known(self) -> dict[tuple[int, int], tuple[int, ...]]:
+        return {}
+
+    def _columns(self, given: int, done: int) -> tuple[int, ...]:
+        """The letter that each monitor sees under an input and an output."""
+        if (given, done) not in self._known:
+            self._known[given, done] = tuple(
+                numbers[self.arena.letter(m.atoms, given, done)]
+                for m, numbers in zip(self._monitors, self._numbers, strict=True)
+            )
+        return self._known[given, done]
 
     def to_json(self) -> dict[str, Any]:
         """Plain data, for the process that solves the game."""

@@ -1,8 +1,8 @@
 """Deterministic Büchi automata that watch a formula, built by formula progression.
 
 A state holds what is still demanded, and the part of it that must come about in finitely many steps
-(its ``F`` and ``U`` formulas; those with ``G``, ``W`` or ``V`` may stand for ever). Whenever that
-part has come about, the state is accepting and the part is taken anew: the breakpoint construction
+(everything without ``G``, ``W`` and ``V``, which may stand for ever). Whenever that part has come
+about, the state is accepting and the part is taken anew: the breakpoint construction
 (Miyano & Hayashi, Alternating Finite Automata on ω-Words, 1984). For a recurrence property this is
 exact: if a demand can never be met, then after finitely many steps it is lost, or every part that
 is taken contains something that never comes about; if it is met, every part comes about.
@@ -15,8 +15,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from vaso.errors import FormulaError
-from vaso.ltl import Atom, Comparison, Formula, atoms, depth, negate, nnf, simplify
-from vaso.synthesis.fragment import is_recurrence, must_come_about
+from vaso.ltl import (
+    Atom,
+    Comparison,
+    Formula,
+    atoms,
+    depth,
+    is_syntactically_safe,
+    negate,
+    nnf,
+    simplify,
+)
+from vaso.synthesis.fragment import is_guarantee, is_recurrence
 from vaso.synthesis.past import PastMemory, value_in
 from vaso.synthesis.progression import DONE, LOST, Demand, Progression, demand, only
 
@@ -26,7 +36,7 @@ Letter = tuple[bool, ...]
 """The values of a monitor's atoms in a step."""
 
 MAX_STATES = 2_000
-MAX_DEPTH = 200
+MAX_DEPTH = 60
 
 
 @dataclass(frozen=True)
@@ -103,8 +113,9 @@ class _Building:
         self._memory = PastMemory(formula)
         self._values = [_with_opposites(names, letter) for letter in letters]
         self._steps: dict[tuple[int, tuple[bool, ...]], tuple[Progression, tuple[bool, ...]]] = {}
+        self._is_safety = is_syntactically_safe(formula)
         start = demand(formula)
-        self._states = [_State(self._memory.initial, start, only(start, must_come_about))]
+        self._states = [_State(self._memory.initial, start, self._part(start))]
 
     def run(self) -> tuple[tuple[tuple[int, ...], ...], tuple[bool, ...]]:
         index = {self._states[0]: 0}
@@ -137,8 +148,12 @@ class _Building:
             return _FULFILLED
         part = progression.after(state.part)
         if part == DONE:
-            return _State(past, demanded, only(demanded, must_come_about))
+            return _State(past, demanded, self._part(demanded))
         return _State(past, demanded, part, accepting=False)
+
+    def _part(self, demanded: Demand) -> Demand:
+        """What must come about; nothing in a safety property, which is only ever lost."""
+        return DONE if self._is_safety else only(demanded, is_guarantee)
 
     def _step(self, letter: int, past: tuple[bool, ...]) -> tuple[Progression, tuple[bool, ...]]:
         if (letter, past) not in self._steps:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,6 +19,7 @@ __all__ = ["Probe", "names_in", "probe"]
 
 MAX_COMMANDS = 12
 SECONDS = 5.0
+_CONTAINERS = (ast.List, ast.Dict, ast.Set, ast.Call, ast.ListComp, ast.DictComp, ast.SetComp)
 IDLE = "time.sleep(1e-6)\n"
 
 
@@ -32,12 +34,14 @@ class Probe:
         sensors: The sensors that labels depend on.
         unsteady: Propositions whose value does not follow from the command in force and the sensors
             alone.
+        remembering: Functions whose result may depend on what was called before.
     """
 
     rest: State
     commands: Mapping[str, State]
     sensors: tuple[Sensor, ...]
     unsteady: frozenset[str] = frozenset()
+    remembering: frozenset[str] = frozenset()
 
     @property
     def states(self) -> tuple[State, ...]:
@@ -47,11 +51,12 @@ class Probe:
     def by_sensors(self, name: str) -> bool:
         """True for a proposition that the sensors alone decide."""
         first = self.rest.observed.get(name)
-        return first is not None and all(s.observed.get(name) == first for s in self.states)
+        same = first is not None and all(s.observed.get(name) == first for s in self.states)
+        return same and name not in self.remembering
 
     def by_command(self, name: str) -> bool:
         """True for a proposition that does not depend on the sensors."""
-        return all(name in s.labels for s in self.states)
+        return not any(name in s.observed for s in self.states)
 
 
 def probe(skill: Skill, platform: Platform, formulas: Sequence[Formula]) -> Probe:
@@ -72,14 +77,18 @@ def probe(skill: Skill, platform: Platform, formulas: Sequence[Formula]) -> Prob
     if missing:
         raise VasoError(f"nothing says what '{missing[0]}' is")
     calls = compiling.calls()
-    runs = compiling.path(list(_tour(calls))) if calls else []
+    runs = compiling.tour(calls)
+    if not runs:
+        calls = [call for call in calls if compiling.takes_one_period(call)]
+        runs = compiling.tour(calls)
     commands: dict[str, State] = {}
     unsteady: set[str] = set()
     for call, state in runs:
         first = commands.setdefault(call, state)
         unsteady |= {n for n in names if _value(first, n) != _value(state, n)}
     ordered = {call: commands[call] for call in calls if call in commands}
-    return Probe(rest, ordered, compiling.sensors(), frozenset(unsteady))
+    remembering = _remembering(skill.labelling_code)
+    return Probe(rest, ordered, compiling.sensors(), frozenset(unsteady), remembering)
 
 
 def names_in(formulas: Iterable[Formula]) -> set[str]:
@@ -108,7 +117,10 @@ class _Compiling:
 
     def path(self, calls: Sequence[str]) -> list[tuple[str, State]]:
         """The states that calls lead to, one each; empty if they do not take one period each."""
-        system = self.run(calls)
+        try:
+            system = self.run(calls)
+        except VasoError:
+            return []
         at, found = 0, []
         for call in calls:
             if len(system.edges[at]) != 1 or system.states[at].cut:
@@ -120,7 +132,7 @@ class _Compiling:
         return found
 
     def calls(self) -> list[str]:
-        """Calls without arguments that execute one command for one period, whatever is sensed."""
+        """Calls without arguments that send a command."""
         draft = Labelling(self._skill.labelling_code, self._platform)
         found = [
             f"{name}()"
@@ -130,13 +142,30 @@ class _Compiling:
             and not function.unknown
             and not function.parameters
         ]
-        return [call for call in found[:MAX_COMMANDS] if self._takes_one_period(call)]
+        return found[:MAX_COMMANDS]
 
-    def _takes_one_period(self, call: str) -> bool:
-        try:
-            return len(self.path([call, call])) == 2
-        except VasoError:
-            return False
+    def takes_one_period(self, call: str) -> bool:
+        """Whether a call executes one command for one period, whatever is sensed."""
+        return bool(self.path([call, call]))
+
+    def tour(self, calls: Sequence[str]) -> list[tuple[str, State]]:
+        """The path of every call after every other one."""
+        return self.path(list(_tour(calls))) if calls else []
+
+
+def _remembering(code: str) -> frozenset[str]:
+    """Functions that use, directly or through others, what a function can change."""
+    tree = ast.parse(code)
+    changing = {n for node in ast.walk(tree) if isinstance(node, ast.Global) for n in node.names}
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.value, _CONTAINERS):
+            changing |= {t.id for t in node.targets if isinstance(t, ast.Name)}
+    functions = [n for n in tree.body if isinstance(n, ast.FunctionDef)]
+    used = {f.name: {n.id for n in ast.walk(f) if isinstance(n, ast.Name)} for f in functions}
+    found: set[str] = set()
+    while more := {f for f, names in used.items() if names & (changing | found)} - found:
+        found |= more
+    return frozenset(found)
 
 
 def _tour(calls: Sequence[str]) -> Iterator[str]:

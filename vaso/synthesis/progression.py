@@ -78,7 +78,7 @@ class Progression:
         left: Demand = LOST
         for term in demanded:
             rest = DONE
-            for formula in sorted(term, key=str):
+            for formula in term:
                 rest = both(rest, self._formula(formula))
             left = either(left, rest)
         if len(left) > MAX_TERMS:

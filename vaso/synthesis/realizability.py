@@ -6,26 +6,20 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from vaso.errors import VasoError
+from vaso.errors import VasoError, VerifierError
 from vaso.feasibility.roles import check_assumption, role_finder
-from vaso.feasibility.satisfiability import satisfiable
-from vaso.feasibility.triggers import triggers
 from vaso.platforms import Platform, get_platform
 from vaso.skill import Rule, Skill
 from vaso.synthesis.alphabet import Alphabet, alphabet
 from vaso.synthesis.contract import Contract
-from vaso.synthesis.counterplay import CounterPlay, find_lasso, lasso_play, strategy_play
 from vaso.synthesis.game import Game
 from vaso.synthesis.planning import Planning
-from vaso.synthesis.probing import names_in
-from vaso.synthesis.refinement import Refinement, refinements
+from vaso.synthesis.refuting import Refuting
 from vaso.synthesis.result import Outside, Realizability
 from vaso.synthesis.solver import Solver
-from vaso.synthesis.strategy import Robot, robot_wins
 
 __all__ = ["realizability"]
 
-LASSO_SECONDS = 1.0
 OUT_OF_TIME = "out of time"
 
 
@@ -93,6 +87,8 @@ class _Question:
             return self._decide()
         except TimeoutError:
             return self._template(OUT_OF_TIME)
+        except VerifierError as error:
+            return replace(self._result, reason=error.message)
 
     def _decide(self) -> Realizability:
         skill = self._skill
@@ -124,7 +120,8 @@ class _Question:
         planning = Planning(self._skill, self._robot, letters.probed, game, self._solver)
         if not planning.wins():
             calls = ", ".join(letters.probed.commands)
-            return self._template(f"no plan that calls only {calls} keeps all rules")
+            reason = f"no plan that calls only {calls} keeps all rules"
+            return self._template("; ".join(r for r in (letters.reason, reason) if r))
         plan = planning.plan()
         if plan is None:
             return self._template("there is a plan, but it has too many situations to write out")
@@ -147,8 +144,8 @@ class _Question:
     def _template(self, reason: str) -> Realizability:
         """Where the game does not tell: a plan template that is verified answers as well."""
         skill = self._skill
-        left = max(2.0, self._solver.deadline - time.monotonic())
-        if skill.plan_template.strip():
+        left = self._solver.deadline - time.monotonic()
+        if skill.plan_template.strip() and left > 0:
             from vaso.plan.explore import Budget
             from vaso.verification import verify
 
@@ -170,100 +167,19 @@ class _Question:
     # --- the sensors win -----------------------------------------------------------------------
 
     def _refuted(self, contract: Contract, outer: Game) -> Realizability:
+        """The answer with as much of its evidence as there is time for."""
+        refuting = Refuting(contract, outer, self._robot, self._solver)
         self._result = replace(
             self._result, realizable=False, core=tuple(contract.rules), minimal=False
         )
         try:
-            core = self._core(contract, outer)
-            smaller = contract.with_rules([contract.rules[i] for i in core])
-            self._result = replace(self._result, core=tuple(smaller.rules), minimal=True)
-            self._result = replace(self._result, counterplay=self._counterplay(smaller))
+            core = refuting.core()
+            self._result = replace(self._result, core=core, minimal=True)
+            self._result = replace(self._result, counterplay=refuting.counterplay())
             if self._refine:
-                self._result = replace(self._result, remedies=self._remedies(contract))
-                self._result = replace(self._result, refinement=self._refinement(contract))
+                self._result = replace(self._result, remedies=refuting.remedies())
+                self._result = replace(self._result, refinement=refuting.refinement())
         except TimeoutError:
-            pass
+            reason = "out of time: not everything could be looked for"
+            self._result = replace(self._result, reason=reason)
         return self._result
-
-    def _core(self, contract: Contract, outer: Game) -> list[int]:
-        """Leave out one rule after the other; local ones first, where there is a choice."""
-        rank = {"local": 0, "global": 1, "assumption": 2}
-        kept = list(range(len(contract.rules)))
-        for index in sorted(kept, key=lambda i: (rank[contract.rules[i].role], -i)):
-            rest = [i for i in kept if i != index]
-            if not self._solver.solve(outer.only(rest)).realizable:
-                kept = rest
-        return kept
-
-    def _counterplay(self, contract: Contract) -> CounterPlay | None:
-        """The sensors' behaviour, against the skill's own commands where they are known."""
-        letters = contract.alphabet
-        game = contract.to_lose(letters.own or letters.conceivable)
-        assert game is not None
-        until = min(self._solver.deadline, time.monotonic() + LASSO_SECONDS)
-        lasso = find_lasso(game, until)
-        if lasso is not None:
-            return lasso_play(game, *lasso)
-        sensors = self._solver.solve(game, machine=True).sensors
-        return None if sensors is None else strategy_play(game, sensors)
-
-    def _remedies(self, contract: Contract) -> tuple[str, ...]:
-        """Assumptions of the form ``G F p`` that let a plan keep the rules."""
-        names = self._observations(contract)
-        single = [text for name in names for text in (f"!{name}", name)]
-        found = [text for text in single if self._helps(contract, text)]
-        if not found and len(names) > 1:
-            quiet = " & ".join(f"!{name}" for name in names)
-            found = [f"({quiet})"] if self._helps(contract, quiet) else []
-        return tuple(f"G F {text}" for text in found)
-
-    def _helps(self, contract: Contract, text: str) -> bool:
-        assumption = Rule(text=f"G F ({text})", role="assumption")
-        return self._can_be_kept(
-            contract.with_rules(contract.rules, [*contract.assumptions, assumption])
-        )
-
-    def _refinement(self, contract: Contract) -> Refinement | None:
-        """The smallest change of a local rule in the core that lets a plan keep the rules."""
-        for rule in [r for r in self._result.core if r.role == "local"]:
-            for candidate, added in refinements(rule, self._observations(contract)):
-                changed = contract.with_rules(
-                    [candidate if r is rule else r for r in contract.rules]
-                )
-                if self._can_be_kept(changed) and self._asks_something(changed, candidate):
-                    return Refinement(rule.text, candidate.text, added)
-        return None
-
-    def _observations(self, contract: Contract) -> list[str]:
-        """Boolean observations, those of the rules in the core first."""
-        letters = contract.alphabet
-        arena = letters.own or letters.conceivable
-        assert arena is not None
-        known = [n for n, v in arena.observed[0].items() if isinstance(v, bool)]
-        core = names_in([r.formula for r in self._result.core])
-        return sorted(known, key=lambda n: n not in core)
-
-    def _can_be_kept(self, contract: Contract) -> bool:
-        letters = contract.alphabet
-        game = contract.to_win(letters.own or (letters.conceivable if letters.exact else None))
-        return game is not None and self._solver.solve(game).realizable
-
-    def _asks_something(self, contract: Contract, candidate: Rule) -> bool:
-        """Whether the rule's triggers can occur, and a robot that rests for ever violates it."""
-        letters = contract.alphabet
-        arena = letters.own or letters.conceivable
-        game = contract.with_rules([candidate]).to_lose(arena)
-        assert arena is not None and game is not None
-        resting = Robot((arena.rest[0],), ((0,) * len(arena.inputs),))
-        if robot_wins(resting, game):
-            return False
-        rules = [r.formula for r in (*contract.rules, *contract.assumptions)]
-        found = triggers(candidate.formula, lambda name: name in arena.observed[0])
-        return all(
-            satisfiable(
-                [*rules, t.occurs],
-                exclusions=self._robot.exclusions,
-                timeout=max(0.1, self._solver.deadline - time.monotonic()),
-            )
-            for t in found
-        )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from vaso.gradient.model import Level, TextualGradient
 from vaso.skill import Rule
 from vaso.synthesis.counterplay import CounterPlay
 from vaso.synthesis.refinement import Refinement
@@ -90,6 +91,23 @@ class Realizability:
         if self.remedies:
             lines.append(f"Or declare the assumption {self.remedies[0]}.")
         return " ".join(lines)
+
+    def gradient(self, local_rule: str, level: Level | str = Level.REPAIR) -> TextualGradient:
+        """Feedback on the local rule.
+
+        Args:
+            local_rule: The skill's local rules, one a line: its parameter ``local_rule``.
+            level: How much to say; at level ``repair`` with the refined rule as an edit.
+        """
+        passed = self.realizable is True
+        return TextualGradient(
+            level=Level(level),
+            score=1.0 if passed else 0.0,
+            passed=passed,
+            verdict=self.feedback or self.reason,
+            trace="\n".join(self.counterplay.lines()) if self.counterplay else "",
+            repair=self.refinement.edit(local_rule) if self.refinement else None,
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Plain data for ``--json``."""
