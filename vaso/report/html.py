@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from vaso.plan.transition_system import TransitionSystem
 from vaso.report.between import between_section
+from vaso.report.coverage import coverage_section
 from vaso.report.listing import listing
 from vaso.report.markup import Markup, el, join
 from vaso.report.page import page
@@ -101,11 +102,13 @@ def verification_parts(result: VerificationResult) -> Iterable[Markup]:
     yield problem_banner(result)
     yield rule_rows(result.specs)
     yield between_section(result.between)
+    yield coverage_section(result.coverage)
     if any(s.counterexample for s in result.specs):
         yield el("h2", "What the plan can do wrong")
         yield violations(result)
     else:
-        yield join(el("h2", "Plan"), listing(result.plan, problem_line(result)))
+        faded = result.coverage.never if result.coverage else ()
+        yield join(el("h2", "Plan"), listing(result.plan, problem_line(result), faded))
     yield automaton_section(result)
 
 

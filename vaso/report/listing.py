@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from vaso.report.markup import Markup, el
 
@@ -12,8 +12,10 @@ HUNK = re.compile(r"@@ -(\d+)(?:,(\d+))? \+(\d+)(?:,(\d+))? @@")
 CLASSES = {"+": "row add", "-": "row del", " ": "row"}
 
 
-def listing(code: str, marks: Mapping[int, str] | None = None) -> Markup:
-    """Numbered lines; each marked one is coloured and says why."""
+def listing(
+    code: str, marks: Mapping[int, str] | None = None, faded: Collection[int] = ()
+) -> Markup:
+    """Numbered lines; each marked one is coloured and says why, and some are set in grey."""
     marks = marks or {}
     rows = []
     for number, line in enumerate(code.rstrip("\n").split("\n"), start=1):
@@ -25,10 +27,14 @@ def listing(code: str, marks: Mapping[int, str] | None = None) -> Markup:
                 el("span", "→" if number in marks else "", cls="arrow"),
                 line,
                 el("span", f"← {why}", cls="why") if why else None,
-                cls="row" if why is None else "row marked",
+                cls=_row_class(why is not None, number in faded),
             )
         )
     return _block(rows)
+
+
+def _row_class(marked: bool, faded: bool) -> str:
+    return f"row{' marked' if marked else ''}{' faded' if faded else ''}"
 
 
 def difference(before: str, after: str, *, context: int = 3) -> Markup:

@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from vaso.ltl import FALSE, TRUE, Binary, Constant, Formula, Unary
+from vaso.ltl import FALSE, TRUE, Binary, Formula, Unary, atoms
 from vaso.ltl.traverse import operands, rebuild
 
 __all__ = ["Occurrence", "mutant", "occurrences"]
@@ -53,11 +53,11 @@ class Occurrence:
 
 
 def occurrences(rule: Formula) -> Iterator[Occurrence]:
-    """Every occurrence that can be given up, outer ones first; not the rule itself or constants."""
+    """Every occurrence that can be given up, outer ones first; no constants, nor the whole rule."""
     pending = [Occurrence(rule)]
     while pending:
         here = pending.pop()
-        if here.path and not isinstance(here.formula, Constant):
+        if here.path and atoms(here.formula):
             yield here
         if not _is_mixed(here.formula):
             pending += reversed([_inside(here, n) for n in range(len(operands(here.formula)))])
