@@ -8,6 +8,7 @@ from vaso.concurrency.result import CompositionResult
 from vaso.errors import VasoError
 from vaso.gradient.blame import Blame, blame
 from vaso.gradient.model import PASS_TEXT, Edit, Level, TextualGradient
+from vaso.gradient.notes import notes
 from vaso.gradient.trace import trace_table
 from vaso.labels.feedback import label_feedback
 from vaso.platforms import Platform, get_platform
@@ -42,7 +43,13 @@ def textual_gradient(
 
         return joint_gradient(result, level=level)
     if result and not _differing(result):
-        return TextualGradient(level=level, score=result.safety, passed=True, verdict=PASS_TEXT)
+        return TextualGradient(
+            level=level,
+            score=result.safety,
+            passed=True,
+            verdict=PASS_TEXT,
+            notes=notes(result),
+        )
     rank = list(Level).index(level)
     observed = observations(result, skill)
     return TextualGradient(
@@ -53,6 +60,7 @@ def textual_gradient(
         trace=_traces(result, observed) if rank >= 1 else "",
         blame=_blame_text(result, skill) if rank >= 2 else "",
         repair=repair if rank >= 3 else None,
+        notes=notes(result),
     )
 
 

@@ -49,6 +49,8 @@ class TextualGradient(BaseModel):
         trace: The counterexamples as tables.
         blame: Which plan line is to blame in which step, and why.
         repair: A smallest verified edit, if the search found one.
+        notes: Rules that hold without saying anything, code without use. They belong to what is
+            said from level ``blame`` on; a plan that passes gets no more than :data:`PASS_TEXT`.
     """
 
     model_config = ConfigDict(frozen=True)
@@ -59,6 +61,7 @@ class TextualGradient(BaseModel):
     trace: str = ""
     blame: str = ""
     repair: Edit | None = None
+    notes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """The text at its level."""
@@ -78,6 +81,9 @@ class TextualGradient(BaseModel):
         return gradient_view(self)
 
     def _part(self, level: Level) -> str:
+        if level is Level.BLAME:
+            noted = [f"Worth knowing: {note}." for note in self.notes]
+            return "\n".join(part for part in (self.blame, *noted) if part)
         if level is not Level.REPAIR:
             return str(getattr(self, level.value))
         if self.repair is None:
