@@ -147,6 +147,18 @@ def test_no_certificate_for_what_is_not_verified(certified):
     assert certified.read_text(encoding="utf-8") == text
 
 
+def test_no_certificate_for_labels_that_lie(certified):
+    rewrite(
+        certified, "velocity_publisher(linear=0.0, angular=0.0)", "velocity_publisher(0.1, 0.0)"
+    )
+    found = certify(certified)
+    assert found.result and not found and "stop" in found.refusal
+
+
+def test_labels_are_in_it(certified_text):
+    assert 'labels: "agree with the platform in every state of the plan"' in certified_text
+
+
 def test_a_certificate_that_no_longer_holds_is_not_renewed(certified):
     rewrite(certified, "speed < 0.5", "speed < 0.1")
     before = certified.read_text(encoding="utf-8")

@@ -43,7 +43,8 @@ def certify(
         on_progress: As for :func:`vaso.verify`.
 
     Returns:
-        The verification; a skill that is not verified gets no certificate.
+        The verification; a skill that is not verified, or whose labels are not true of the robot,
+        gets no certificate.
 
     Raises:
         SkillError: The file cannot be read or written, or holds several skills.
@@ -57,7 +58,7 @@ def certify(
     text = prepare(split(read_file(path)).text)
     read = _read(text, path, platform)
     result = _verified(read, timeout, on_progress)
-    if not result:
+    if not result or (result.labels is not None and result.labels.agree is False):
         return Certification(None, {}, result)
     entries = certificate(read, text, result)
     target = Path(out) if out is not None else path

@@ -74,8 +74,15 @@ def _verdicts(result: VerificationResult) -> Iterator[tuple[str, str]]:
         if spec.spec in between and between[spec.spec].verdict is not Verdict.UNSUPPORTED:
             yield f"-between-{number}", _between(between[spec.spec])
     yield "-verdict", result.verdict.value
-    yield "-labels", "not validated"
+    yield "-labels", _labels(result)
     yield "-engines", versions(spec.engine for spec in result.specs)
+
+
+def _labels(result: VerificationResult) -> str:
+    """What is known about the labels, without sizes that another version may count otherwise."""
+    if result.labels is not None and result.labels.agree:
+        return "agree with the platform in every state of the plan"
+    return result.label_line
 
 
 def _verdict(spec: SpecResult) -> str:

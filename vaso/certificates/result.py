@@ -30,7 +30,8 @@ class Certification:
     """A verified skill with its certificate. Truthy only if a certificate was written.
 
     Attributes:
-        path: The file that the certificate is in; None where the skill was not verified.
+        path: The file that the certificate is in; None where the skill was not verified, or its
+            labels are not true of the robot.
         certificate: The certificate.
         result: The verification.
     """
@@ -42,10 +43,20 @@ class Certification:
     def __bool__(self) -> bool:
         return self.path is not None
 
+    @property
+    def refusal(self) -> str:
+        """Why there is no certificate; empty where there is one."""
+        if self:
+            return ""
+        if self.result:
+            return self.result.label_line
+        return "only a skill whose rules all hold gets a certificate"
+
     def to_json(self) -> dict[str, Any]:
         """Plain data for ``--json``."""
         return {
             "certified": bool(self),
+            "reason": self.refusal,
             "path": str(self.path) if self.path else None,
             "certificate": self.certificate,
             "verification": self.result.to_json(),

@@ -29,7 +29,8 @@ def certify(
 ) -> None:
     """Verify a skill's plan template and write a certificate into the skill file.
 
-    Exit code 0: certified, 1: a rule is violated, 2: bad input, 3: not known or not supported.
+    Exit code 0: certified, 1: a rule is violated or labels are not true of the robot, 2: bad
+    input, 3: not known or not supported.
     """
     from vaso.certificates import certify as make
     from vaso.certificates.certify import BUDGET
@@ -44,7 +45,8 @@ def certify(
         from vaso.report.certificates import certification_view
 
         console().print(certification_view(found))
-    leave(exit_code(found.result))
+    refused = found.result and not found
+    leave(ExitCode.REFUTED if refused else exit_code(found.result))
 
 
 def recheck(

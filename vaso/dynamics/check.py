@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vaso.dynamics.analysis import Analysis, Open
-from vaso.dynamics.commands import issued_in, setpoints_of
+from vaso.dynamics.commands import setpoints_of
 from vaso.dynamics.result import BetweenSamples, Bound
 from vaso.dynamics.rules import invariant, moves
 from vaso.dynamics.unfold import OutOfTimeError
 from vaso.ltl import Formula, comparisons, variables
 from vaso.plan.transition_system import TransitionSystem
 from vaso.platforms import Platform
+from vaso.platforms.reading import read_command
 from vaso.platforms.response import Response
 from vaso.skill import Rule
 from vaso.verdict import SpecResult, Verdict
@@ -98,7 +99,7 @@ def _decide(
     seconds: float,
 ) -> None:
     response = response.only({name for rule in todo for name in rule.names})
-    found = [setpoints_of(issued_in(s.command, robot), response) for s in system.states]
+    found = [setpoints_of(read_command(s.command, robot), response) for s in system.states]
     setpoints = [s for s in found if s is not None]
     if len(setpoints) < len(found):
         command = system.states[found.index(None)].command

@@ -19,7 +19,7 @@ def certification_view(found: Certification) -> Group:
         )
     else:
         told = Text("✗ NOT CERTIFIED", "bold red").append(
-            "   only a skill whose rules all hold gets a certificate", style="default not bold"
+            f"   {found.refusal}", style="default not bold"
         )
     return Group(verification_view(found.result), told)
 
