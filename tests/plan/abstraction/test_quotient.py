@@ -75,6 +75,10 @@ SIMPLE = st.sampled_from(
         "m = spent(now)",
         "t0 += spent(now)",
         "n = pick()",
+        "n = robot.lap()",
+        "m = robot.lap(longer=n * 0.1)",
+        "robot.laps = 0",
+        "robot.begun = t0",
         "m = robot.since()",
         "acc = sum(map(double, [n, 1]))",
         "n, m = pair()",
@@ -123,11 +127,17 @@ def double(k):
 def pair():
     return n + 1, m
 class Robot:
+    def lap(self, longer=0):
+        if time.time() - self.begun > 0.25 + longer:
+            self.begun = time.time()
+            self.laps += 1
+        return self.laps
     def since(self):
         return time.time() - t0
     def __init__(self):
         self.late = make()
         self.n = 0
+        self.laps, self.begun = 0, time.time()
     def go(self):
         self.n = (self.n + 1) % 3
         if self.n:

@@ -97,6 +97,24 @@ def test_what_is_not_followed(source):
         analyse(source)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        "b = A()\n",
+        "for _ in range(2):\n    A()\n",
+        "def make():\n    return A()\nmake()\nmake()\n",
+        "class B:\n    def put(self):\n        self.n = 1\n",
+        "other = f()\nother.n = 3\n",
+        "A.n = 3\n",
+    ],
+)
+def test_attributes_are_variables_of_single_objects_only(change):
+    source = "class A:\n    def __init__(self):\n        self.n = f()\n    def use(self):\n        h(self.n)\n"
+    use = "a = A()\ngo()\na.use()\n"
+    assert "+n" in forms(source + use, "go()")
+    assert "+n" not in forms(source + change + use, "go()")
+
+
 def test_a_function_that_calls_itself_keeps_its_numbers():
     source = "def f(n):\n    if n > 0:\n        go()\n        f(n - 1)\n        h(n)\nf(3)\n"
     assert forms(source, "go()") == {}
@@ -155,6 +173,24 @@ def main():
             wait()
         forward()
 main()
+""",
+    "attributes and methods": """
+class Drive:
+    def __init__(self, duration):
+        self.duration, self.paused = duration, 0.0
+    def elapsed(self):
+        return time.time() - self.start - self.paused
+    def run(self):
+        self.start = time.time()
+        while self.elapsed() < self.duration:
+            if people_observed():
+                begun = time.time()
+                while people_observed():
+                    stop()
+                self.paused += time.time() - begun
+            else:
+                forward()
+Drive(1.0).run()
 """,
     "rounds without end": """
 while True:

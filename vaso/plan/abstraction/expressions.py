@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import TypeGuard
 
+from vaso.plan.abstraction.fields import Fields
 from vaso.plan.abstraction.flow import ONE, Graph, Set, Stop, Use
 from vaso.plan.abstraction.forms import CLOCK, Affine, Var
 from vaso.plan.abstraction.scopes import COMPREHENSIONS, Comprehension, Scope, Scopes, parameters
@@ -26,6 +27,7 @@ class Expressions:
     Args:
         text: The program.
         scopes: Its scopes.
+        fields: Its classes with a single object.
         graph: Where the steps go.
 
     Attributes:
@@ -36,8 +38,8 @@ class Expressions:
         calls: Which functions each function may call.
     """
 
-    def __init__(self, text: str, scopes: Scopes, graph: Graph) -> None:
-        self.scopes, self.graph = scopes, graph
+    def __init__(self, text: str, scopes: Scopes, fields: Fields, graph: Graph) -> None:
+        self.scopes, self.fields, self.graph = scopes, fields, graph
         count = len(scopes.functions)
         self.entries = [graph.join() for _ in range(count)]
         self.callbacks = [graph.join() for _ in range(count)]
@@ -66,6 +68,8 @@ class Expressions:
             return self.graph.add(Set(into, _constant(node.value)), after)
         if isinstance(node, ast.Name):
             return self._load(node.id, into, after, scope)
+        if (var := self.fields.variable(node, scope)) is not None:
+            return self.graph.add(Set(into, Affine.of(var)), after)
         if isinstance(node, ast.BinOp):
             left, right = self.temporary(scope), self.temporary(scope)
             after = self.computed(node, (left, right), into, after)
@@ -105,6 +109,11 @@ class Expressions:
             return self._all_ignored(parts, after, scope)
         if isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Add, ast.Sub)):
             return self._all_ignored([node.left, node.right], after, scope)
+        if self.fields.variable(node, scope) is not None:
+            held = self.temporary(scope)
+            return self.value(
+                node, held, self.graph.add(Use(Affine.of(held), "kind"), after), scope
+            )
         if isinstance(node, ast.Name):
             held = self.temporary(scope)
             return self._load(
@@ -263,6 +272,8 @@ class Expressions:
             if var is not None and var not in self.scopes.untracked:
                 return self.graph.add(Set(var, Affine.of(source)), after)
             return self.graph.add(Use(Affine.of(source)), after)
+        if (var := self.fields.variable(target, scope)) is not None:
+            return self.graph.add(Set(var, Affine.of(source)), after)
         if isinstance(target, ast.Starred):
             return self.stored(target.value, source, after, scope)
         if isinstance(target, (ast.Tuple, ast.List)):
@@ -281,6 +292,8 @@ class Expressions:
         number = self.scopes.called(node.func, scope)
         if number is not None:
             return self._own_call(node, number, into, after, scope)
+        if (number := self.fields.method(node.func, scope)) is not None:
+            return self._own_call(node, number, into, after, scope, bound=True)
         given = [*node.args, *(k.value for k in node.keywords)]
         if self._reads_clock(node.func, scope):
             stop = self._stop(node, into, after, clock=True)
@@ -319,12 +332,21 @@ class Expressions:
             self.graph.link(self.exits[number], choice)
         return choice
 
-    def _own_call(self, node: ast.Call, number: int, into: Var, after: int, scope: Scope) -> int:
-        """A call of a function of the plan's."""
+    def _own_call(
+        self,
+        node: ast.Call,
+        number: int,
+        into: Var,
+        after: int,
+        scope: Scope,
+        *,
+        bound: bool = False,
+    ) -> int:
+        """A call of a function of the plan's, or (``bound``) of a method."""
         self.calls.add((scope.number, number))
         back = self.graph.add(Set(into, Affine.of(self.returned(number))), after)
         self.graph.link(self.exits[number], back)
-        given = _assigned(node, self.scopes.functions[number])
+        given = _assigned(node, self.scopes.functions[number], bound)
         values = [*node.args, *(k.value for k in node.keywords)]
         if given is None:
             first = self.callbacks[number]
@@ -400,7 +422,7 @@ def _is_import(way: ast.AST, name: str, module: str, member: str | None) -> bool
 
 
 def _assigned(
-    node: ast.Call, function: ast.FunctionDef | ast.Lambda
+    node: ast.Call, function: ast.FunctionDef | ast.Lambda, bound: bool
 ) -> dict[str, ast.expr | None] | None:
     """What a call's parameters are; None where that depends on more than the text.
 
@@ -419,9 +441,12 @@ def _assigned(
     found: dict[str, ast.expr | None] = {
         n: d if isinstance(d, ast.Constant) else None for n, d in defaults.items()
     }
-    if len(node.args) > len(positional):
+    if bound:
+        found[positional[0]] = None  # the object itself
+    open_ones = positional[1:] if bound else positional
+    if len(node.args) > len(open_ones):
         return None
-    found.update(zip(positional, node.args, strict=False))
+    found.update(zip(open_ones, node.args, strict=False))
     found |= {k.arg: k.value for k in node.keywords if k.arg is not None}
     return found if set(found) == set(names) else None
 

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from vaso.plan.abstraction.expressions import Expressions
+from vaso.plan.abstraction.fields import Fields
 from vaso.plan.abstraction.flow import Enter, Graph, Set, Use
 from vaso.plan.abstraction.forms import Affine, Var
 from vaso.plan.abstraction.scopes import Function, NotAnalysableError, Scope, Scopes, parameters
@@ -40,13 +41,14 @@ class Lowering(Expressions):
         text: The program.
         tree: The same, parsed.
         scopes: Its scopes.
+        fields: Its classes with a single object.
 
     Raises:
         NotAnalysableError: It uses a construct that is not followed.
     """
 
-    def __init__(self, text: str, tree: ast.Module, scopes: Scopes) -> None:
-        super().__init__(text, scopes, Graph())
+    def __init__(self, text: str, tree: ast.Module, scopes: Scopes, fields: Fields) -> None:
+        super().__init__(text, scopes, fields, Graph())
         for number, node in enumerate(self.scopes.functions):
             self._function(number, node)
         end = self.graph.join()

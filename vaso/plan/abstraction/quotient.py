@@ -10,14 +10,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from vaso.plan.abstraction.fields import FIRST, Single
 from vaso.plan.abstraction.forms import CLOCK, EXACT, GLOBAL, UNSEEN, Bound, Form, Interval, Var
 from vaso.plan.abstraction.relevance import Relevance
 from vaso.plan.abstraction.scopes import NotAnalysableError
 
 Number: TypeAlias = int | float | Fraction
 _Valued: TypeAlias = tuple[Number, Number, Bound, Bound]
-_Place: TypeAlias = tuple[str, int]
-"""Where a variable is: in ``globals``, ``stack`` or ``heap``, and its index there."""
+_Place: TypeAlias = tuple[str, int, int]
+"""Where a variable is: in ``globals``, ``stack``, ``cell`` or ``object``; the index there; and for
+an object, the number of the attribute."""
 
 _SEEN, _UNSEEN = "number", "dead"
 
@@ -105,6 +107,7 @@ class Quotient:
             return None
         cells = {var: _cell(snapshot, place) for var, place in places.items()}
         running = {var[0] for var in cells} | {GLOBAL, CLOCK[0]} | self._layout.running(snapshot)
+        running |= {single.number for single in self.relevance.fields.classes}
         found: list[_Valued] = []
         alive: set[Var] = set()
         for form, interval in wanted.items():
@@ -128,7 +131,7 @@ def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterato
         number = _number(cell)
         if number is not None:
             value = number if len(form) == 1 else value + coefficient * Fraction(number)
-        elif cell is not None and _no_number(cell):
+        elif _no_number(cell) if var in cells else var[0] <= FIRST:
             return  # reading it, or computing with it, raises before anything is compared
         else:
             # Its value is part of the base, so the rest of the form is looked at by itself.
@@ -151,9 +154,11 @@ def _number(cell: Any) -> int | float | None:
 
 
 def _cell(snapshot: Snapshot, place: _Place) -> Any:
-    where, index = place
-    if where == "heap":
+    where, index, attribute = place
+    if where == "cell":
         return snapshot.heap[index]["D"]["K"]
+    if where == "object":
+        return snapshot.heap[index]["D"]["I"]["A"]["E"][attribute]["V"]
     return snapshot.machine[where][index]
 
 
@@ -167,12 +172,21 @@ def _base(
     kind, pending, machine, scheduler = snapshot.shape[0]
     shape = [None, *snapshot.shape[1:]]
     parts = {**machine, "stack": [*machine["stack"]], "globals": [*machine["globals"]]}
-    for var, (where, index) in places.items():
+    objects: dict[int, list[Any]] = {}
+    for var, (where, index, attribute) in places.items():
         mark = _mark(cells[var], var in alive)
         if mark is None:
             continue
-        if where == "heap":
+        if where == "cell":
             shape[1 + snapshot.order[index]] = ["K", mark]
+        elif where == "object":
+            number = 1 + snapshot.order[index]
+            if number not in objects:
+                tag, (rest, kind_of) = shape[number]
+                objects[number] = [*rest["A"]["E"]]
+                rest = {**rest, "A": {**rest["A"], "E": objects[number]}}
+                shape[number] = [tag, [rest, kind_of]]
+            objects[number][attribute] = {**objects[number][attribute], "V": mark}
         else:
             parts[where][index] = mark
     shape[0] = [kind, pending, parts, scheduler]
@@ -193,6 +207,7 @@ class _Layout:
 
     def __init__(self, tables: Mapping[str, Any], relevance: Relevance, file: str) -> None:
         self._scopes = relevance.scopes
+        self._fields = relevance.fields
         self._names = _Names(tables)
         self._globals = [self._names.of(n) for n in tables["global_names"]["slots"]]
         numbers = _starts(relevance)
@@ -216,7 +231,7 @@ class _Layout:
         found: dict[Var, _Place] = {}
         for slot, name in enumerate(self._globals):
             if name in scopes.module.own and slot < len(snapshot.machine["globals"]):
-                found[(GLOBAL, name)] = ("globals", slot)
+                found[(GLOBAL, name)] = ("globals", slot, 0)
         for frame in snapshot.machine["frames"]:
             if frame["F"] is None:
                 continue
@@ -225,7 +240,29 @@ class _Layout:
                 return None
             for index, name in enumerate(self._locals[number][: frame["L"]]):
                 self._add(found, (number, name), frame["S"] + index, snapshot)
+        for single in self._fields.classes:
+            self._add_object(found, single, snapshot)
         return {var: place for var, place in found.items() if var not in scopes.untracked}
+
+    def _add_object(self, found: dict[Var, _Place], single: Single, snapshot: Snapshot) -> None:
+        """The attributes of a class's object, once there is one."""
+        for slot in snapshot.order:
+            entry = snapshot.heap[slot]["D"].get("I")
+            if entry is None or self._class(snapshot.heap[entry["C"]]) != single.node.name:
+                continue
+            if any(
+                place[0] == "object" and var[0] == single.number for var, place in found.items()
+            ):
+                raise NotAnalysableError(f"two objects of '{single.node.name}'")
+            for index, item in enumerate(entry["A"]["E"]):
+                name = self._names.of(item["K"].get("T", 0)) if isinstance(item["K"], dict) else ""
+                if name in single.fields:
+                    found[(single.number, name)] = ("object", slot, index)
+
+    def _class(self, entry: Any) -> str:
+        """The name of a class."""
+        name = entry["D"].get("A", {}).get("name", {})
+        return self._names.of(name["Interned"]) if "Interned" in name else ""
 
     def _add(self, found: dict[Var, _Place], var: Var, index: int, snapshot: Snapshot) -> None:
         scope = self._scopes.of[self._scopes.functions[var[0]]]
@@ -234,9 +271,9 @@ class _Layout:
         cell = snapshot.machine["stack"][index]
         slot = cell.get("C") if isinstance(cell, dict) else None
         if isinstance(slot, int) and slot in snapshot.order and "K" in snapshot.heap[slot]["D"]:
-            found[var] = ("heap", slot)
+            found[var] = ("cell", slot, 0)
         else:
-            found[var] = ("stack", index)
+            found[var] = ("stack", index, 0)
 
 
 class _Names:

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from vaso.plan.abstraction.fields import Fields
 from vaso.plan.abstraction.flow import Enter, Graph, Set, Stop, Use
 from vaso.plan.abstraction.forms import (
     CLOCK,
@@ -39,6 +40,7 @@ class Relevance:
     Attributes:
         text: The plan.
         scopes: Its functions and variables.
+        fields: Its classes with a single object.
         at: For the bytes of each call: the forms that the future may look at while the plan waits
             there, and the constants it compares them with.
         clocks: The calls that return the time.
@@ -46,6 +48,7 @@ class Relevance:
 
     text: str
     scopes: Scopes
+    fields: Fields
     at: Mapping[tuple[int, int], Mapping[Form, Interval]]
     clocks: frozenset[tuple[int, int]]
 
@@ -72,16 +75,18 @@ def analyse(text: str) -> Relevance:
             if isinstance(stop, Stop) and stop.clock:
                 clocks.add(span)
         at[span] = merged.bounds
-    return Relevance(text, program.scopes, at, frozenset(clocks))
+    return Relevance(text, program.scopes, program.fields, at, frozenset(clocks))
 
 
 def _lowered(text: str) -> Lowering:
     """Lower a plan; what a function that may call itself owns exists several times."""
     tree = ast.parse(text)
     scopes = Scopes(tree)
-    recursive = _recursive(Lowering(text, tree, scopes).calls)
+    fields = Fields(tree, scopes)
+    scopes.find_untracked()
+    recursive = _recursive(Lowering(text, tree, scopes, fields).calls)
     scopes.untracked |= {v for v in scopes.variables() if v[0] in recursive}
-    return Lowering(text, tree, scopes)
+    return Lowering(text, tree, scopes, fields)
 
 
 def _recursive(calls: set[tuple[int, int]]) -> set[int]:

@@ -84,7 +84,7 @@ class Scopes:
         self.of: dict[ast.AST, Scope] = {tree: self.module}
         self.loose: set[int] = set()
         self.escaping: set[int] = set()
-        self.methods: dict[str, set[int]] = defaultdict(set)
+        self.methods: dict[str, set[int]] = {}
         self.untracked: set[Var] = set()
         self.loggers: set[Var] = set()
         self._stores: list[tuple[str, Scope, ast.AST]] = []
@@ -102,7 +102,6 @@ class Scopes:
             if (var := self.owner(name, scope)) is not None:
                 self._bindings[var].append(node)
         self._find_loose()
-        self._find_untracked()
         made = {id(n.targets[0]) for n in ast.walk(tree) if _makes_logger(n)}
         for var, ways in self._bindings.items():
             if all(id(way) in made for way in ways):
@@ -212,7 +211,8 @@ class Scopes:
                 if statement.name.startswith("__") and statement.name not in CONSTRUCTORS:
                     raise NotAnalysableError("a class with operators of its own")
                 self._function(statement, body, outer=scope)
-                self.methods[statement.name].add(self.of[statement].number)
+                numbers = self.methods.setdefault(statement.name, set())
+                numbers.add(self.of[statement].number)
             else:
                 self._visit(statement, body)
 
@@ -237,10 +237,15 @@ class Scopes:
                 self.loose |= {self.of[w].number for w in ways if isinstance(w, ast.FunctionDef)}
         for name in self._attributes & set(self.methods):
             self.loose |= self.methods[name]
-
-    def _find_untracked(self) -> None:
-        """A variable whose owner may have ended, or may run twice, when a function uses it."""
         self.escaping = self.loose.union(*self.methods.values())
+
+    def only_called(self, method: str) -> None:
+        """Note that a method is only called where it is certain which one it is."""
+        self.methods.pop(method)
+        self.escaping = self.loose.union(*self.methods.values())
+
+    def find_untracked(self) -> None:
+        """A variable whose owner may have ended, or may run twice, when a function uses it."""
         for name, scope in [*((u.name, u.scope) for u in self._uses), *self._written()]:
             var, here = self.owner(name, scope), scope
             while var is not None and here.number != var[0] and here.parent is not None:
