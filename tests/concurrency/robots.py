@@ -130,11 +130,3 @@ def _state(systems, place, valuations, rename, turns):
         if turns:
             observed[f"{name}.moves"] = tuple(Case(v, name in turns[v["turn"]]) for v in valuations)
     return State("joint", observed=observed)
-
-
-def member_runs(example):
-    """For each member of a joint counterexample, the states that it is in when it moves."""
-    for number, _ in enumerate(example.members):
-        states = [doing[number].state for doing in example.doing]
-        moved = [doing[number].moved for doing in example.doing]
-        yield states, moved

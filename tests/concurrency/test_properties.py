@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from robots import naive_product
 
 import vaso
+from vaso.concurrency.building import build
 from vaso.concurrency.clocks import clocked
 from vaso.concurrency.members import Explored
-from vaso.concurrency.product import Product, build
+from vaso.concurrency.product import Product
 from vaso.concurrency.schedule import make_schedule
 from vaso.concurrency.sharing import wire
 from vaso.ltl import Binary, Proposition, Unary, evaluate, holds, negate

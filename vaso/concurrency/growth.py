@@ -13,9 +13,10 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from vaso.concurrency.building import build
 from vaso.concurrency.composing import compose
 from vaso.concurrency.members import Explored
-from vaso.concurrency.product import Product, build
+from vaso.concurrency.product import Product
 from vaso.concurrency.schedule import MODES, Mode, make_schedule
 from vaso.concurrency.sharing import wire
 from vaso.plan.explore import Budget, compile_plan
@@ -149,9 +150,7 @@ def rows() -> Iterator[Row]:
 def main() -> None:
     """Print the table."""
     print(f"{platform.machine()}, Python {platform.python_version()}\n")
-    print(
-        "| robots | sensors each | mode | states each | joint states | needed | all | two |"
-    )
+    print("| robots | sensors each | mode | states each | joint states | needed | all | two |")
     print("|---|---|---|---|---|---|---|---|")
     for row in rows():
         whole = f"> {LARGEST.states:,}" if row.states is None else f"{row.states:,}"

@@ -11,7 +11,8 @@ import time
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from vaso.concurrency.product import Place, Product, clock_of, cut_of
+from vaso.concurrency.building import cut_of
+from vaso.concurrency.product import Place, Product, clock_of
 from vaso.errors import FormulaError
 from vaso.ltl import (
     FALSE,

@@ -16,9 +16,9 @@ from vaso.plan.labels import Labeller
 from vaso.plan.transition_system import Case, Label, Sensor, State
 
 if TYPE_CHECKING:
-    from vaso.concurrency.layers import Place
+    from vaso.concurrency.layered_place import Place
+    from vaso.concurrency.layered_robot import Session
     from vaso.concurrency.preemption import Layer
-    from vaso.plan.explore import _Session as Session
 
 __all__ = ["IN_CHARGE", "LayeredLabels"]
 

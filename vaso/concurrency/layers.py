@@ -15,29 +15,27 @@ proposition has no value, and a rule about it is UNSUPPORTED.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Hashable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from vaso.concurrency.layered_labels import LayeredLabels
-from vaso.concurrency.members import Explored, Member
-from vaso.concurrency.naming import rename
+from vaso.concurrency.layered_place import Place
+from vaso.concurrency.layered_robot import Session, layered_platform, own_rules, session_of
+from vaso.concurrency.members import Explored
 from vaso.ltl import Formula, propositions, variables
 from vaso.plan.abstraction import NotAnalysableError
-from vaso.plan.config import ClockReadError, Config, Origin, Reader, Turn
+from vaso.plan.config import ClockReadError, Config, Reader, Turn
 from vaso.plan.explore import Budget
-from vaso.plan.explore import _Session as Session
 from vaso.plan.labels import Labeller
 from vaso.plan.stepping import Stepper
 from vaso.plan.transition_system import Cut, Edge, Scalar, Sensor, State, TransitionSystem
-from vaso.platforms import Platform
-from vaso.skill import Rule
 
 if TYPE_CHECKING:
     from vaso.concurrency.preemption import Layer
 
-__all__ = ["Place", "explore_layers"]
+__all__ = ["explore_layers"]
 
 
 def explore_layers(
@@ -46,14 +44,14 @@ def explore_layers(
     """Every behaviour of plans in layers; see :meth:`Preemption.explore`."""
     needed = {n for f in formulas for n in (*propositions(f), *variables(f))}
     with ExitStack() as stack:
-        sessions = [stack.enter_context(_session(layer.member, needed)) for layer in layers]
+        sessions = [stack.enter_context(session_of(layer.member, needed)) for layer in layers]
         exploration, system = _run(layers, sessions, budget or Budget())
     return Explored(
         name,
         system,
-        rules=_own(layers, "rules", system),
-        assumptions=_own(layers, "assumptions", system),
-        platform=_platform(layers),
+        rules=own_rules(layers, "rules", system),
+        assumptions=own_rules(layers, "assumptions", system),
+        platform=layered_platform(layers),
         plans={layer.member.name: layer.member.plan.source for layer in layers},
         missing=exploration.labels.missing,
     )
@@ -73,73 +71,6 @@ def _run(
         except NotAnalysableError:
             for session in sessions:
                 session.keep_numbers()
-
-
-def _session(member: Member, needed: set[str]) -> Session:
-    rules = [r.formula for r in (*member.skill.rules, *member.skill.assumptions)]
-    own = {n for f in rules for n in (*propositions(f), *variables(f))}
-    asked = {name.removeprefix(f"{member.name}.") for name in needed}
-    return Session(member.plan, member.skill, member.platform, own | asked)
-
-
-def _own(layers: Sequence[Layer], which: str, system: TransitionSystem) -> tuple[Rule, ...]:
-    """The rules or assumptions of each skill; what several skills say alike is said once."""
-    found: dict[Formula, Rule] = {}
-    for layer in layers:
-        own = f"{layer.member.name}.{{}}".format
-
-        def full(name: str, own: Callable[[str], str] = own) -> str:
-            return name if name in system.propositions else own(name)
-
-        for rule in getattr(layer.member.skill, which):
-            formula = rename(rule.formula, full)
-            found.setdefault(formula, Rule(text=str(formula), role=rule.role, note=rule.note))
-    return tuple(found.values())
-
-
-def _platform(layers: Sequence[Layer]) -> Platform:
-    """The robot, with the propositions of each plan besides its own."""
-    robot = layers[-1].member.platform
-    names = [layer.member.name for layer in layers]
-    qualified = [
-        p.model_copy(update={"name": f"{name}.{p.name}"})
-        for name in names
-        for p in robot.propositions
-    ]
-    groups = [tuple(f"{n}.{a}" for a in group) for n in names for group in robot.exclusions]
-    return robot.model_copy(
-        update={
-            "propositions": (*robot.propositions, *qualified),
-            "exclusions": (*robot.exclusions, *groups),
-        }
-    )
-
-
-@dataclass(frozen=True)
-class Place:
-    """A control state of several plans on one robot.
-
-    Attributes:
-        configs: Where each plan is; what concerns the robot is the same in all of them.
-        active: For each plan whether it has been started and not been reset since.
-        charge: The plan that the command in force comes from; None at rest.
-    """
-
-    configs: tuple[Config, ...]
-    active: tuple[bool, ...]
-    charge: int | None = None
-
-    @property
-    def leader(self) -> Config:
-        """The plan in charge; at rest all have the same command in force."""
-        return self.configs[self.charge or 0]
-
-    def view(self, layer: int) -> Config:
-        """The place as one skill sees it: another plan's command went past its labelling code."""
-        own, leader = self.configs[layer], self.leader
-        if self.charge in (None, layer):
-            return own
-        return replace(own, issued=leader.issued, origin=Origin.PLAN, api="", call="")
 
 
 class _Exploration:

@@ -10,13 +10,14 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from vaso.concurrency.building import build
 from vaso.concurrency.checking import JointTask, joint_platform
 from vaso.concurrency.clocks import clocked
 from vaso.concurrency.explaining import explain_jointly
 from vaso.concurrency.invariants import ENGINE, invariant_of, search_invariant
 from vaso.concurrency.members import Explored
 from vaso.concurrency.minimising import minimise
-from vaso.concurrency.product import Product, build, clock_of
+from vaso.concurrency.product import Product, clock_of
 from vaso.concurrency.rules import Asked, assumptions_of, fairness
 from vaso.concurrency.schedule import Schedule, make_schedule
 from vaso.concurrency.sharing import Wiring
