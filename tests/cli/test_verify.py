@@ -118,3 +118,19 @@ def test_missing_things(vaso, arguments):
     found = vaso("verify", "drive", *arguments)
     assert found.code == 2
     assert found.out == ""
+
+
+DEAD = "while True:\n    stop() if people_observed() else turn_left()\nforward()\n"
+
+
+def test_lines_that_never_run(vaso, plan):
+    found = vaso("verify", "drive", "--plan", plan(DEAD))
+    assert "coverage: line 3 never runs" in found.words
+    assert "coverage: a rule speaks of obstacle_observed, which the plan does not read" in found.out
+    assert "✗ 3 │ forward()" not in found.words
+    found = vaso("verify", "drive", "--plan", plan(DEAD), "--coverage")
+    assert "2 of 3 lines with code run" in found.words
+    assert "✗ 3 │ forward()" in found.words and "✗: never runs" in found.out
+    found = vaso("verify", "drive", "--plan", plan(DEAD), "--json")
+    assert found.json["coverage"]["never"] == [3]
+    assert found.json["coverage"]["unread"] == ["obstacle_observed"]

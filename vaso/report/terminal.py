@@ -103,13 +103,19 @@ def remarks(spec: SpecResult) -> Iterator[tuple[str, str]]:
     if spec.vacuous:
         yield "vacuous", spec.vacuous
     if spec.stronger:
-        yield "stronger", f"the plan keeps even {spec.stronger}"
+        yield "holds even", _in_english(spec.stronger)
     if spec.unchecked:
         yield "not checked", f"whether the rule says anything about this plan ({spec.unchecked})"
     if spec.reason:
         yield "why", spec.reason
     for warning in spec.warnings:
         yield "note", warning
+
+
+def _in_english(formula: str) -> str:
+    from vaso.ltl import parse, to_english
+
+    return to_english(parse(formula))
 
 
 def violation_views(result: VerificationResult) -> list[RenderableType]:
