@@ -7,7 +7,7 @@ and the reduction all work on these tables, so that they cannot disagree.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from typing import TypeAlias
 
 from vaso.errors import FormulaError
@@ -30,6 +30,9 @@ def atoms_of(formulas: Iterable[Formula]) -> tuple[Atom, ...]:
     return tuple(sorted({a for f in formulas for a in atoms(f)}, key=str))
 
 
+_TABLES = "_atom_tables"
+
+
 class AtomTables:
     """The truth tables of one system, each computed once.
 
@@ -39,7 +42,8 @@ class AtomTables:
 
     def __init__(self, system: TransitionSystem) -> None:
         self.system = system
-        self._tables: dict[Atom, tuple[Truth, ...]] = {}
+        # Kept with the system, which does not change: several verifiers ask the same.
+        self._tables: dict[Atom, tuple[Truth, ...]] = system.__dict__.setdefault(_TABLES, {})
 
     def __getitem__(self, atom: Atom) -> tuple[Truth, ...]:
         """See :func:`truth_table`."""
@@ -56,7 +60,7 @@ def truth_table(system: TransitionSystem, atom: Atom) -> tuple[Truth, ...]:
             values of the wrong kind, or a comparison divides by zero in some state.
     """
     names = sorted(names_of(atom))
-    known: dict[tuple[str, ...], bool] = {}
+    known: dict[Hashable, Truth] = {}
     table: list[Truth] = []
     for number, state in enumerate(system.states):
         try:
@@ -71,16 +75,26 @@ def _truth(
     state: State,
     atom: Atom,
     names: Sequence[str],
-    known: dict[tuple[str, ...], bool],
+    known: dict[Hashable, Truth],
 ) -> Truth:
     if any(name in state.observed for name in names):
-        return _by_sensors(system, state, atom, names)
+        cases = tuple(_cases(state, name) for name in names)
+        if cases not in known:
+            known[cases] = _by_sensors(system, state, atom, names)
+        return known[cases]
     values = {name: state.labels[name] for name in names if name in state.labels}
     # repr tells True from 1.0, which are equal but not the same kind of label
     key = tuple(map(repr, values.items()))
     if key not in known:
         known[key] = evaluate(atom, [values], 0)[0]
     return known[key]
+
+
+def _cases(state: State, name: str) -> Hashable:
+    """What decides a proposition in a state."""
+    if name not in state.observed:
+        return repr(state.labels.get(name))
+    return tuple((tuple(c.guard.items()), repr(c.value)) for c in state.observed[name])
 
 
 def _by_sensors(system: TransitionSystem, state: State, atom: Atom, names: Sequence[str]) -> Truth:

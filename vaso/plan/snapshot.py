@@ -114,6 +114,7 @@ class KeyMaker:
                 file=at["filename"],
                 call=(at["start"], at["end"]),
                 clock=call["function_name"] == _CLOCK,
+                program=snapshot["executor"]["program"],
                 tables=snapshot["executor"]["tables"],
                 machine=snapshot["vm_state"],
                 heap=traversal.entries,

@@ -8,8 +8,8 @@ pair exactly one control state follows, and the sensors are free again there.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import Any, TypeAlias
 
 Scalar: TypeAlias = bool | int | float | str
@@ -107,6 +107,10 @@ class Cut:
     supported: bool = True
 
 
+_TOTAL = "_is_total"
+"""Set on a system that was found to be total; it does not change."""
+
+
 @dataclass(frozen=True)
 class TransitionSystem:
     """A total, explicit-state automaton with free sensors. State 0 is initial.
@@ -187,6 +191,8 @@ class TransitionSystem:
             LookupError: Some valuation of the sensors is covered by no edge, or by two; a sensor
                 has no values; or an edge leads nowhere.
         """
+        if _TOTAL in self.__dict__:
+            return
         if not self.states or len(self.edges) != len(self.states):
             raise LookupError(f"{len(self.states)} states, {len(self.edges)} sets of edges")
         for sensor in self.sensors:
@@ -195,10 +201,16 @@ class TransitionSystem:
         for index, out in enumerate(self.edges):
             if not all(0 <= e.target < len(self.states) for e in out):
                 raise LookupError(f"state {index}: an edge leads to a state that does not exist")
+        known: set[Hashable] = set()
         for index, out in enumerate(self.edges):
-            self._check_partition(index, "edge", [e.guard for e in out])
+            self._check_partition(index, "edge", [e.guard for e in out], known)
             for name, cases in self.states[index].observed.items():
-                self._check_partition(index, f"label {name}", [c.guard for c in cases])
+                self._check_partition(index, f"label {name}", [c.guard for c in cases], known)
+        self.__dict__[_TOTAL] = True
+
+    def __getstate__(self) -> dict[str, Any]:
+        """The fields alone: what was worked out from them is not handed to other processes."""
+        return {f.name: getattr(self, f.name) for f in fields(self)}
 
     def _repr_html_(self) -> str:
         from vaso.report.cells import system_cell
@@ -210,8 +222,20 @@ class TransitionSystem:
 
         return system_view(self)
 
-    def _check_partition(self, state: int, what: str, guards: Sequence[Guard]) -> None:
-        """Split on one sensor after the other until one guard is left, or none, or two."""
+    def _check_partition(
+        self, state: int, what: str, guards: Sequence[Guard], known: set[Hashable]
+    ) -> None:
+        """Split on one sensor after the other until one guard is left, or none, or two.
+
+        Args:
+            state: The state, for the message; what is split, too.
+            what: What is split.
+            guards: The guards.
+            known: Guards that were found to be a partition before; these are added.
+        """
+        key = tuple(tuple(guard.items()) for guard in guards)
+        if key in known:
+            return
         todo: list[tuple[dict[str, Scalar], Sequence[Guard]]] = [({}, guards)]
         while todo:
             fixed, left = todo.pop()
@@ -223,6 +247,7 @@ class TransitionSystem:
             for value in self.sensor(sensor).domain:
                 agree = [g for g in left if g.get(sensor, value) == value]
                 todo.append(({**fixed, sensor: value}, agree))
+        known.add(key)
 
 
 def covers(guard: Guard, valuation: Guard) -> bool:

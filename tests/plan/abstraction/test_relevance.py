@@ -29,7 +29,7 @@ drive()
 def forms(source: str, call: str) -> dict[str, tuple[float, float]]:
     """The forms at the only call with a text, as texts."""
     text = source.encode()
-    (at,) = [f for (a, b), f in analyse(source).at.items() if text[a:b].decode() == call]
+    (at,) = [f for (_, (a, b)), f in analyse(source).at.items() if text[a:b].decode() == call]
     return {
         " ".join(
             f"{'+' if c > 0 else '-'}{'' if abs(c) == 1 else abs(c)}{v}" for (_, v), c in form
@@ -115,11 +115,21 @@ def test_attributes_are_variables_of_single_objects_only(change):
     assert "+n" not in forms(source + change + use, "go()")
 
 
+def test_a_function_returns_to_its_caller_only():
+    source = (
+        "def wait():\n    go()\n"
+        "a = f()\nb = f()\nwait()\nif a > 1:\n    h()\nwait()\nif b > 2:\n    h()\n"
+    )
+    text = source.encode()
+    places = [f for (_, (a, b)), f in analyse(source).at.items() if text[a:b] == b"go()"]
+    assert sorted(sorted(name for (((_, name), _),) in f) for f in places) == [["a", "b"], ["b"]]
+
+
 def test_a_function_that_calls_itself_keeps_its_numbers():
     source = "def f(n):\n    if n > 0:\n        go()\n        f(n - 1)\n        h(n)\nf(3)\n"
-    assert forms(source, "go()") == {}
-    at = analyse(source)
-    assert (0, "n") in at.scopes.untracked
+    found = analyse(source)
+    assert not any(found.at.values())
+    assert (0, "n") in found.scopes.untracked
 
 
 CLOSES = {

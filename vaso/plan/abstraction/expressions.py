@@ -5,15 +5,23 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
-from typing import TypeGuard
+from typing import Any, TypeAlias, TypeGuard
 
 from vaso.plan.abstraction.fields import Fields
 from vaso.plan.abstraction.flow import ONE, Graph, Set, Stop, Use
-from vaso.plan.abstraction.forms import CLOCK, Affine, Var
+from vaso.plan.abstraction.forms import CLOCK, GLOBAL, Affine, Var
 from vaso.plan.abstraction.scopes import COMPREHENSIONS, Comprehension, Scope, Scopes, parameters
 
 CLOCKS = frozenset({"time", "monotonic", "perf_counter"})
 _PURE_MODULES = frozenset({"math"})
+Span: TypeAlias = tuple[int, int]
+"""The bytes of a call in the text."""
+
+Place: TypeAlias = tuple[Any, ...]
+"""The module or a function (by number), and the calls that lead from there to where steps run."""
+
+MAX_DEPTH = 8
+MAX_COPIED = 6_000
 _MESSAGES = frozenset({"debug", "info", "warning", "error", "critical", "exception"})
 _TEMPORARY = "%"
 _RETURNED = "%return"
@@ -31,10 +39,14 @@ class Expressions:
         graph: Where the steps go.
 
     Attributes:
-        entries: The first step of each function, for calls that have set its parameters.
+        place: Where the steps that are made now run.
+        own: The calls that have a copy of the function's steps of their own, so that it returns
+            nowhere else.
+        entries: The first step of the copy of each function that all other calls share.
         callbacks: The same for calls that nothing is known about.
-        exits: The last step of each function.
-        stops: The steps that stand for a call, by the call's bytes in the text.
+        exits: The last step of those copies.
+        pending: The functions whose copies are used and not made yet.
+        stops: The steps that stand for a call, by their place and the call's bytes in the text.
         calls: Which functions each function may call.
     """
 
@@ -44,7 +56,12 @@ class Expressions:
         self.entries = [graph.join() for _ in range(count)]
         self.callbacks = [graph.join() for _ in range(count)]
         self.exits = [graph.join() for _ in range(count)]
-        self.stops: dict[tuple[int, int], list[int]] = {}
+        self.place: Place = (GLOBAL,)
+        self.own: set[tuple[Place, Span]] = set()
+        self.pending: list[int] = []
+        self._asked: set[int] = set()
+        self._target: dict[Place, int] = {}
+        self.stops: dict[tuple[Place, Span], list[int]] = {}
         self.calls: set[tuple[int, int]] = set()
         self._starts = [0]
         for line in text.encode().split(b"\n"):
@@ -312,7 +329,7 @@ class Expressions:
         span = self.span(node)
         done = self.graph.add(Set(into, Affine.of(CLOCK) if clock else None), after)
         stop = self.graph.add(Stop(span, clock), done)
-        self.stops.setdefault(span, []).append(stop)
+        self.stops.setdefault((self.place, span), []).append(stop)
         return stop
 
     def span(self, node: ast.expr) -> tuple[int, int]:
@@ -328,6 +345,7 @@ class Expressions:
         self.graph.link(choice, after)
         for number in functions:
             self.calls.add((scope.number, number))
+            self._share(number)
             self.graph.link(choice, self.callbacks[number])
             self.graph.link(self.exits[number], choice)
         return choice
@@ -345,13 +363,16 @@ class Expressions:
         """A call of a function of the plan's, or (``bound``) of a method."""
         self.calls.add((scope.number, number))
         back = self.graph.add(Set(into, Affine.of(self.returned(number))), after)
-        self.graph.link(self.exits[number], back)
         given = _assigned(node, self.scopes.functions[number], bound)
         values = [*node.args, *(k.value for k in node.keywords)]
         if given is None:
-            first = self.callbacks[number]
-            return self.looked_at(values, first, scope)
-        first, held = self.entries[number], {id(v): self.temporary(scope) for v in values}
+            self._share(number)
+            self.graph.link(self.exits[number], back)
+            return self.looked_at(values, self.callbacks[number], scope)
+        first, held = (
+            self._entry(node, number, back),
+            {id(v): self.temporary(scope) for v in values},
+        )
         for name, value in given.items():
             var = (number, name)
             if value is None or var in self.scopes.untracked:
@@ -365,6 +386,30 @@ class Expressions:
         for value in reversed(values):
             first = self.value(value, held[id(value)], first, scope)
         return first
+
+    def body(self, number: int, leave: int) -> int:
+        """A copy of a function's body; its first step."""
+        raise NotImplementedError
+
+    def _entry(self, node: ast.Call, number: int, back: int) -> int:
+        """The first step of a function that goes back to a step."""
+        span, outer = self.span(node), self.place
+        running = {self._target.get(outer[: n + 1]) for n in range(1, len(outer))} | {outer[0]}
+        if number in running or len(outer) > MAX_DEPTH or len(self.graph.steps) > MAX_COPIED:
+            self._share(number)
+            self.graph.link(self.exits[number], back)
+            return self.entries[number]
+        self.own.add((outer, span))
+        self.place = (*outer, span)
+        self._target[self.place] = number
+        first = self.body(number, back)
+        self.place = outer
+        return first
+
+    def _share(self, number: int) -> None:
+        if number not in self._asked:
+            self._asked.add(number)
+            self.pending.append(number)
 
     def _identity(self, node: ast.Call, scope: Scope) -> bool:
         """``float(x)``, which leaves a number as it is."""

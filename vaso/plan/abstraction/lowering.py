@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 from vaso.plan.abstraction.expressions import Expressions
 from vaso.plan.abstraction.fields import Fields
-from vaso.plan.abstraction.flow import Enter, Graph, Set, Use
+from vaso.plan.abstraction.flow import Enter, Graph, Set, Skip, Use
 from vaso.plan.abstraction.forms import Affine, Var
-from vaso.plan.abstraction.scopes import Function, NotAnalysableError, Scope, Scopes, parameters
+from vaso.plan.abstraction.scopes import NotAnalysableError, Scope, Scopes, parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,23 +49,31 @@ class Lowering(Expressions):
 
     def __init__(self, text: str, tree: ast.Module, scopes: Scopes, fields: Fields) -> None:
         super().__init__(text, scopes, fields, Graph())
-        for number, node in enumerate(self.scopes.functions):
-            self._function(number, node)
         end = self.graph.join()
-        self._block(tree.body, end, _Context(self.scopes.module, end))
+        start = self._block(tree.body, end, _Context(self.scopes.module, end))
+        self.graph.add(Skip(), start)
+        while self.pending:
+            number = self.pending.pop()
+            self._shared(number)
 
-    def _function(self, number: int, node: Function) -> None:
-        scope, leave = self.scopes.of[node], self.exits[number]
-        context = _Context(scope, leave)
+    def body(self, number: int, leave: int) -> int:
+        """A copy of a function's body; its first step."""
+        node = self.scopes.functions[number]
+        context = _Context(self.scopes.of[node], leave)
         if isinstance(node, ast.Lambda):
             first = self._returned(node.body, context)
         else:
             no_value = self.graph.add(Set(self.returned(number)), leave)
             first = self._block(node.body, no_value, context)
-        enter = self.graph.add(Enter(number), first)
+        return self.graph.add(Enter(number), first)
+
+    def _shared(self, number: int) -> None:
+        """The copy of a function for calls that have none of their own."""
+        self.place = (number,)
+        enter = self.body(number, self.exits[number])
         self.graph.link(self.entries[number], enter)
         unknown = enter
-        for name in parameters(node):
+        for name in parameters(self.scopes.functions[number]):
             unknown = self.graph.add(Set((number, name)), unknown)
         self.graph.link(self.callbacks[number], unknown)
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import itertools
 import math
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
 
+from vaso.plan.abstraction.expressions import Place, Span
 from vaso.plan.abstraction.fields import FIRST, Single
 from vaso.plan.abstraction.forms import CLOCK, EXACT, GLOBAL, UNSEEN, Bound, Form, Interval, Var
 from vaso.plan.abstraction.relevance import Relevance
@@ -59,6 +61,7 @@ class Snapshot:
         file: The text with the call at which the program waits.
         call: The bytes of that call.
         clock: True if it asks for the time.
+        program: The module's code.
         tables: The sandbox's tables of functions, strings and global names.
         machine: The frames, the stack and the globals.
         heap: The heap's entries.
@@ -69,6 +72,7 @@ class Snapshot:
     file: str
     call: tuple[int, int]
     clock: bool
+    program: Mapping[str, Any]
     tables: Mapping[str, Any]
     machine: Mapping[str, Any]
     heap: list[Any]
@@ -97,11 +101,12 @@ class Quotient:
         """
         if snapshot.file != self._file:
             return None
-        wanted = self.relevance.at.get(snapshot.call)
+        if self._layout is None:
+            self._layout = _Layout(snapshot, self.relevance, self._file)
+        at = self._layout.here(snapshot)
+        wanted = self.relevance.at.get((at, snapshot.call))
         if wanted is None or snapshot.clock != (snapshot.call in self.relevance.clocks):
             raise NotAnalysableError("a call that the analysis does not know")
-        if self._layout is None:
-            self._layout = _Layout(snapshot.tables, self.relevance, self._file)
         places = self._layout.places(snapshot)
         if places is None:
             return None
@@ -205,7 +210,12 @@ def _mark(cell: Any, alive: bool) -> Any:
 class _Layout:
     """Where the sandbox keeps the variables of a plan."""
 
-    def __init__(self, tables: Mapping[str, Any], relevance: Relevance, file: str) -> None:
+    def __init__(self, snapshot: Snapshot, relevance: Relevance, file: str) -> None:
+        tables = snapshot.tables
+        self._own = relevance.own
+        self._spans: dict[int | None, dict[int | None, Span]] = {
+            None: _spans(snapshot.program["module_code"])
+        }
         self._scopes = relevance.scopes
         self._fields = relevance.fields
         self._names = _Names(tables)
@@ -217,8 +227,21 @@ class _Layout:
             at = function["N"]["P"]
             number = numbers.get(at["S"]) if self._names.of(at["F"]) == file else None
             if number is not None:
+                self._spans[index] = _spans(function["B"])
                 self._functions[index] = number
                 self._locals[number] = [self._names.of(n) for n in function["B"]["N"]]
+
+    def here(self, snapshot: Snapshot) -> Place:
+        """Where the plan is: the calls that have led there, as far back as they are followed."""
+        frames = snapshot.machine["frames"]
+        place: Place = (GLOBAL,)
+        for caller, frame in itertools.pairwise(frames):
+            span = self._spans.get(caller["F"], {}).get(frame["C"])
+            if span is not None and (place, span) in self._own:
+                place = (*place, span)
+            else:
+                place = (self._functions.get(frame["F"]),)
+        return place
 
     def running(self, snapshot: Snapshot) -> set[int]:
         """The functions that are running."""
@@ -274,6 +297,11 @@ class _Layout:
             found[var] = ("cell", slot, 0)
         else:
             found[var] = ("stack", index, 0)
+
+
+def _spans(code: Mapping[str, Any]) -> dict[int | None, Span]:
+    """The bytes of the text that each instruction comes from."""
+    return {entry["B"]: (entry["R"]["S"], entry["R"]["E"]) for entry in code["L"]}
 
 
 class _Names:

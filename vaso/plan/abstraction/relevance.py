@@ -5,12 +5,14 @@ from __future__ import annotations
 import ast
 import math
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from fractions import Fraction
 
+from vaso.plan.abstraction.expressions import Place, Span
 from vaso.plan.abstraction.fields import Fields
-from vaso.plan.abstraction.flow import Enter, Graph, Set, Stop, Use
+from vaso.plan.abstraction.flow import Enter, Graph, Stop, Use
+from vaso.plan.abstraction.flow import Set as Assign
 from vaso.plan.abstraction.forms import (
     CLOCK,
     EXACT,
@@ -41,15 +43,17 @@ class Relevance:
         text: The plan.
         scopes: Its functions and variables.
         fields: Its classes with a single object.
-        at: For the bytes of each call: the forms that the future may look at while the plan waits
-            there, and the constants it compares them with.
+        own: The calls whose callee is followed for them alone.
+        at: For the place and the bytes of each call: the forms that the future may look at while
+            the plan waits there, and the constants it compares them with.
         clocks: The calls that return the time.
     """
 
     text: str
     scopes: Scopes
     fields: Fields
-    at: Mapping[tuple[int, int], Mapping[Form, Interval]]
+    own: Set[tuple[Place, Span]]
+    at: Mapping[tuple[Place, Span], Mapping[Form, Interval]]
     clocks: frozenset[tuple[int, int]]
 
 
@@ -64,9 +68,9 @@ def analyse(text: str) -> Relevance:
     """
     program = _lowered(text)
     before = _Solver(program.graph, program.scopes).solve()
-    at: dict[tuple[int, int], Mapping[Form, Interval]] = {}
+    at: dict[tuple[Place, Span], Mapping[Form, Interval]] = {}
     clocks = set()
-    for span, steps in program.stops.items():
+    for (place, span), steps in program.stops.items():
         merged = Atoms()
         for step in steps:
             for form, interval in before[step].bounds.items():
@@ -74,8 +78,10 @@ def analyse(text: str) -> Relevance:
             stop = program.graph.steps[step]
             if isinstance(stop, Stop) and stop.clock:
                 clocks.add(span)
-        at[span] = merged.bounds
-    return Relevance(text, program.scopes, program.fields, at, frozenset(clocks))
+        at[place, span] = merged.bounds
+    return Relevance(
+        text, program.scopes, program.fields, frozenset(program.own), at, frozenset(clocks)
+    )
 
 
 def _lowered(text: str) -> Lowering:
@@ -159,7 +165,7 @@ class _Solver:
         self, step: object, value: Affine, interval: Interval
     ) -> Iterator[tuple[Affine, Interval]]:
         """What must be known before a step, for a form to be known after it."""
-        if isinstance(step, Set) and step.var in value.terms:
+        if isinstance(step, Assign) and step.var in value.terms:
             yield from _assigned(step, value, interval)
         elif isinstance(step, Stop) and CLOCK in value.terms:
             yield value, _later(value.terms[CLOCK], interval)
@@ -172,7 +178,7 @@ class _Solver:
             yield value, interval
 
 
-def _assigned(step: Set, value: Affine, interval: Interval) -> Iterator[tuple[Affine, Interval]]:
+def _assigned(step: Assign, value: Affine, interval: Interval) -> Iterator[tuple[Affine, Interval]]:
     factor = value.terms[step.var]
     rest = value.plus(Affine.of(step.var), -factor)
     if step.value is not None:

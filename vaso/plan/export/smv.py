@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from vaso.ltl import Atom, Comparison, Formula, Proposition, to_nusmv
-from vaso.plan.atoms import Truth, atoms_of, truth_table
+from vaso.plan.atoms import AtomTables, Truth, atoms_of
 from vaso.plan.transition_system import Edge, Guard, Scalar, Sensor, TransitionSystem
 
 __all__ = ["SmvModel", "to_smv"]
@@ -85,6 +85,7 @@ class _Writer:
 
     def __init__(self, system: TransitionSystem, atoms: Sequence[Atom]) -> None:
         self.system = system
+        self.tables = AtomTables(system)
         names = _Names()
         self.sensors = {s.name: (s, names.new("sensor", s.name)) for s in system.sensors}
         self.atoms = {a: names.new(*_wording(a)) for a in atoms}
@@ -152,9 +153,7 @@ class _Writer:
         return f"{name} = {sensor.domain.index(value)}"
 
     def _define(self, atom: Atom, name: str) -> str:
-        return _comment(
-            str(atom), f"  {name} := {self._expression(truth_table(self.system, atom))};"
-        )
+        return _comment(str(atom), f"  {name} := {self._expression(self.tables[atom])};")
 
     def _expression(self, table: Sequence[Truth]) -> str:
         places: dict[str, list[int]] = {}
