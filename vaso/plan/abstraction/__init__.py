@@ -16,7 +16,8 @@ infinitely many states, and finitely many that behave differently: only the valu
 Equality is that of real numbers: two clocks that differ by a shift are taken to round alike.
 """
 
-from vaso.plan.abstraction.quotient import Quotient, Snapshot, View
+from vaso.plan.abstraction.layout import Snapshot
+from vaso.plan.abstraction.quotient import Quotient, View
 from vaso.plan.abstraction.relevance import Relevance, analyse
 from vaso.plan.abstraction.scopes import NotAnalysableError
 

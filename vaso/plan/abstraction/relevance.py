@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
 from fractions import Fraction
 
-from vaso.plan.abstraction.expressions import Place, Span
+from vaso.plan.abstraction.calls import Place, Span
 from vaso.plan.abstraction.fields import Fields
 from vaso.plan.abstraction.flow import Enter, Graph, Stop, Use
 from vaso.plan.abstraction.flow import Set as Assign
