@@ -90,7 +90,7 @@ def test_a_spec_that_cannot_be_read(vaso, plan):
 
 
 def test_a_plan_that_cannot_be_explored_is_unknown(vaso, plan):
-    text = "n = 0\nwhile True:\n    n = n + 1\n    if people_observed():\n        stop()\n"
+    text = "n = []\nwhile True:\n    n = [*n, 1]\n    if people_observed():\n        stop()\n"
     text += "    elif obstacle_observed():\n        stop()\n    else:\n        forward()\n"
     found = vaso("verify", "drive", "--plan", plan(text), "--states", "50", "--json")
     assert found.code == 3
