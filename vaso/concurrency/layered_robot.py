@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from vaso.concurrency.members import Member
 from vaso.concurrency.naming import rename
 from vaso.ltl import Formula, propositions, variables
-from vaso.plan.explore import _Session as Session
+from vaso.plan.explore import Session as Session
 from vaso.plan.transition_system import TransitionSystem
 from vaso.platforms import Platform
 from vaso.skill import Rule

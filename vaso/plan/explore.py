@@ -78,7 +78,7 @@ def compile_plan(
     robot = get_platform(platform or skill.platform)
     rules = [r.formula for r in (*skill.rules, *skill.assumptions)]
     needed = {n for f in (*rules, *formulas) for n in (*propositions(f), *variables(f))}
-    with _Session(plan, skill, robot, needed) as session:
+    with Session(plan, skill, robot, needed) as session:
         while True:
             try:
                 return _Exploration(session, budget or Budget(), on_states).run()
@@ -88,7 +88,7 @@ def compile_plan(
                 session.keep_numbers()
 
 
-class _Session:
+class Session:
     """The sandboxed programs of one compilation, opened together and closed together."""
 
     def __init__(self, plan: Plan, skill: Skill, robot: Platform, needed: set[str]) -> None:
@@ -136,7 +136,7 @@ class _Session:
         self.machine.__exit__(None, None, None)
         self.machine = Machine(self._texts)
 
-    def __enter__(self) -> _Session:
+    def __enter__(self) -> Session:
         return self
 
     def __exit__(self, *exc: object) -> None:
@@ -155,7 +155,7 @@ class _Exploration:
     """Breadth-first search over configurations."""
 
     def __init__(
-        self, session: _Session, budget: Budget, on_states: Callable[[int], None] | None = None
+        self, session: Session, budget: Budget, on_states: Callable[[int], None] | None = None
     ) -> None:
         self.session = session
         self.budget = budget
