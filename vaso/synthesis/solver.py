@@ -13,7 +13,6 @@ import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from vaso.errors import MissingDependencyError, VerifierError
@@ -21,8 +20,6 @@ from vaso.synthesis.game import Game
 from vaso.synthesis.strategy import Robot, Sensors
 
 __all__ = ["Solution", "Solver", "is_installed"]
-
-_SCRIPT = Path(__file__).with_name("_omega_worker.py")
 
 
 @dataclass(frozen=True)
@@ -64,7 +61,7 @@ class Solver:
         self._rest = b""
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as the process
         self._process = subprocess.Popen(
-            [sys.executable, "-P", str(_SCRIPT)],
+            [sys.executable, "-P", "-m", "vaso.games"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._errors,
