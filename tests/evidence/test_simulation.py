@@ -8,6 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from vaso.evidence.clocks import random_clock_plan
 from vaso.evidence.cpython import run_in_cpython
 from vaso.evidence.programs import random_plan, random_trajectory
 from vaso.evidence.simulation import compare_run, covering_scripts, random_scripts
@@ -45,6 +46,12 @@ def test_random_plans_behave_in_cpython_as_in_the_automaton(random):
     check(random_plan(random), JACKAL, random)
 
 
+@examples(12)
+@given(RANDOM)
+def test_random_plans_with_clocks_behave_in_cpython_as_in_the_automaton(random):
+    check(random_clock_plan(random), JACKAL, random, runs=4, edges=8)
+
+
 @examples(10)
 @given(RANDOM)
 def test_random_trajectories_behave_in_cpython_as_in_the_automaton(random):
@@ -57,6 +64,14 @@ def test_random_trajectories_behave_in_cpython_as_in_the_automaton(random):
 @given(RANDOM)
 def test_many_random_plans(random):
     check(random_plan(random), JACKAL, random, runs=8, edges=60)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+@examples(1500)
+@given(RANDOM)
+def test_many_random_plans_with_clocks(random):
+    check(random_clock_plan(random), JACKAL, random, runs=10, edges=60)
 
 
 @pytest.mark.parametrize("name", ["drive", "find-object", "bypass-object"])

@@ -13,12 +13,17 @@ from rich.console import Console
 from rich.table import Table
 
 from vaso.cli.common import JsonOption, console
+from vaso.cli.evidence import evidence, fuzz, mutation
 
 if TYPE_CHECKING:
     from vaso.bench.verify import Row, Workload
     from vaso.cli.progress import Progress
 
 app = typer.Typer(help="Measure on this machine; every number in the documentation is made here.")
+
+app.command()(evidence)
+app.command()(fuzz)
+app.command()(mutation)
 
 
 @app.callback(invoke_without_command=True)

@@ -1,4 +1,4 @@
-"""``vaso bench evidence`` and ``vaso bench mutation``: what speaks for the verdicts."""
+"""``vaso bench evidence``, ``fuzz`` and ``mutation``: what speaks for the verdicts."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from vaso.cli.common import JsonOption, console
 
 if TYPE_CHECKING:
     from vaso.evidence.campaign import Tally
+    from vaso.evidence.fuzz import Fuzzed
     from vaso.evidence.mutation import Analysis, Outcome
 
 SHOWN = 20
@@ -69,6 +70,42 @@ def _print_tally(out: Console, tally: Tally, machine: str) -> None:
 
 def _none(wrong: list[str], test: str) -> str:
     return str(wrong.count(test)) if test in wrong else "none"
+
+
+def fuzz(
+    cases: Annotated[int, typer.Option(min=1, help="Inputs.")] = 1000,
+    seed: Annotated[int, typer.Option(help="Other seeds give other inputs.")] = 0,
+    as_json: JsonOption = False,
+) -> None:
+    """Read and verify damaged and hostile input: no traceback, no hang, no wrong PASS."""
+    from vaso.bench.machine import describe_machine
+    from vaso.cli.progress import Progress
+    from vaso.evidence.fuzz import fuzz as run
+
+    with Progress("damaged input") as progress:
+        found = run(cases, seed, lambda n: progress.update(f"{n} of {cases} inputs"))
+    if as_json:
+        print(json.dumps({"seed": seed, "machine": describe_machine(), **found.to_json()}))
+    else:
+        _print_fuzzed(console(), found, describe_machine())
+    if found.findings:
+        raise typer.Exit(1)
+
+
+def _print_fuzzed(out: Console, found: Fuzzed, machine: str) -> None:
+    from vaso.evidence.fuzz import SECONDS
+
+    out.print(f"{found.cases:,} inputs in {found.seconds:.0f} s on: {machine}\n")
+    table = Table("input", "outcome", "cases", box=SIMPLE)
+    for outcome, number in sorted(found.outcomes.items()):
+        table.add_row(*outcome.split(" ", 1), f"{number:,}")
+    out.print(table)
+    slowest = f"The slowest took {found.slowest:.1f} s (allowed: {SECONDS:g} s)."
+    wrong = len(found.findings)
+    out.print(f"{slowest} {'Nothing is' if not wrong else f'{wrong:,} are'} wrong.")
+    for what, case in found.findings[:SHOWN]:
+        out.print(f"{case.kind}: {case.text[:200]!r}", markup=False, highlight=False)
+        out.print(f"  {what}", markup=False, highlight=False)
 
 
 def mutation(

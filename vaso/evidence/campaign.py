@@ -10,6 +10,7 @@ from random import Random
 from typing import Any
 
 from vaso.errors import VasoError
+from vaso.evidence.clocks import random_clock_plan
 from vaso.evidence.differential import Question, disagreements
 from vaso.evidence.formulas import random_formulas
 from vaso.evidence.metamorphic import violated_relations
@@ -21,6 +22,7 @@ from vaso.skill import Skill
 from vaso.skill_file import load_skill
 from vaso.verifiers import Verifier, get_verifier
 
+_WRITERS = {random_plan: 6, random_clock_plan: 3, random_trajectory: 1}
 BUDGET = Budget(states=250, seconds=20.0)
 ENGINES = ("pynusmv", "nusmv", "explicit", "lasso")
 
@@ -122,9 +124,10 @@ class Campaign:
     def one(self, seed: str) -> None:
         """Everything about one random plan."""
         random = Random(seed)
-        flies = random.random() < 0.1
-        skill = self._px4 if flies else self._jackal
-        plan = random_trajectory(random) if flies else random_plan(random)
+        write, weight = zip(*_WRITERS.items(), strict=True)
+        [writer] = random.choices(write, weight)
+        skill = self._px4 if writer is random_trajectory else self._jackal
+        plan = writer(random)
         self.tally.plans += 1
         try:
             system = compile_plan(plan, skill, budget=BUDGET)

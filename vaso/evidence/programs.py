@@ -25,6 +25,7 @@ def random_trajectory(random: Random) -> str:
     """A random plan that builds a list of velocity set-points and leaves it in ``vel_traj``."""
     lines = ["vel_traj = []", "n, step = 0, 0.25"]
     lines += [random.choice(_TRAJECTORY) for _ in range(random.randint(1, 5))]
+    lines.append("vel_traj.append((0.0, 0.0, 0.0))")  # the last set-point goes on for ever
     return "\n".join(["def leg(v, times=2):", "    return [v] * times", *lines]) + "\n"
 
 

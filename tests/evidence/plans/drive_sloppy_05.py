@@ -1,0 +1,4 @@
+# skill: drive
+# expected: fail
+# because: never moves
+stop()
