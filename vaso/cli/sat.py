@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +13,7 @@ import typer
 
 from vaso.cli.common import ExitCode, JsonOption, console, leave
 from vaso.errors import FormulaError, VasoError
-from vaso.ltl import Binary, Formula, parse
+from vaso.ltl import GENERATED, Binary, Formula, parse
 
 COMMENT = "#"
 
@@ -66,7 +67,7 @@ def decide(texts: list[str], *, timeout: float, core: bool) -> dict[str, Any]:
 
     Args:
         texts: The formulas.
-        timeout: Seconds.
+        timeout: Seconds, reading included.
         core: Look for conflicting parts when they cannot.
 
     Returns:
@@ -75,11 +76,12 @@ def decide(texts: list[str], *, timeout: float, core: bool) -> dict[str, Any]:
     """
     from vaso.feasibility import satisfiable
 
+    started = time.perf_counter()
     answer: dict[str, Any] = {"formula": " & ".join(texts), "sat": None, "seconds": 0.0}
     try:
-        parsed = [parse(t) for t in texts]
-        found = satisfiable(parsed, timeout=timeout)
-        answer |= {"sat": found.sat, "seconds": round(found.seconds, 6)}
+        parsed = [parse(t, limits=GENERATED) for t in texts]
+        found = satisfiable(parsed, timeout=timeout - (time.perf_counter() - started))
+        answer |= {"sat": found.sat, "seconds": round(time.perf_counter() - started, 6)}
         if found.reason:
             answer["reason"] = found.reason
         parts = [part for formula in parsed for part in _conjuncts(formula)]

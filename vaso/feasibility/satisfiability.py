@@ -1,7 +1,8 @@
 """Satisfiability of temporal formulas, with a witness or a minimal conflicting subset.
 
-As in the paper (section 4.1), formulas are satisfiable exactly when the universal transition system
-does not satisfy their negation, and the model checker's counterexample is the witness.
+The paper (section 4.1) asks a model checker whether the universal transition system satisfies the
+negation; its counterexample is the witness. That takes time exponential in the number of rules, so
+here a search over single steps comes first (see :mod:`vaso.satisfiability`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 from vaso.errors import FormulaError
 from vaso.feasibility.search import Outcome, Search
 from vaso.feasibility.witness import Witness
-from vaso.ltl import Formula, parse
+from vaso.ltl import GENERATED, Formula, parse
 from vaso.verifiers.engine import SMVEngine
 
 __all__ = ["SatResult", "satisfiable"]
@@ -70,7 +71,7 @@ def satisfiable(
         formulas: One formula or several, as text or as syntax.
         exclusions: Groups of propositions of which at most one holds in any step.
         timeout: Seconds for the whole call.
-        engine: The model checker; PyNuSMV by default.
+        engine: A model checker that decides instead of VASO's own procedure.
         core: Whether to look for a minimal conflicting subset when there is no such behaviour.
 
     Returns:
@@ -83,7 +84,7 @@ def satisfiable(
     if not given:
         raise FormulaError("there is no formula to check", expected="one formula or more")
     started = time.perf_counter()
-    parsed = [parse(f) if isinstance(f, str) else f for f in given]
+    parsed = [parse(f, limits=GENERATED) if isinstance(f, str) else f for f in given]
     search = Search(exclusions=exclusions, timeout=timeout, engine=engine)
     outcome = search.decide(parsed)
     found, reason = _core(search, parsed, outcome) if core else (None, "")

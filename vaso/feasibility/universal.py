@@ -10,11 +10,12 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from vaso.errors import FormulaError
 from vaso.feasibility.comparisons import Bound, Form, bound, forms_of, values_of
 from vaso.feasibility.linear import independent, solve
-from vaso.ltl import Comparison, Formula, propositions
+from vaso.ltl import Comparison, Formula, atoms
 from vaso.ltl.nusmv import to_nusmv
 from vaso.ltl.syntax import (
     FALSE,
@@ -26,7 +27,7 @@ from vaso.ltl.syntax import (
     implies,
     negate,
 )
-from vaso.ltl.traverse import comparisons, map_atoms, variables
+from vaso.ltl.traverse import map_atoms, variables_of
 
 __all__ = ["Regions", "Universe"]
 
@@ -65,16 +66,17 @@ class Universe:
         Raises:
             FormulaError: A name is used both as a truth value and as a number.
         """
-        known = list(formulas)
-        names = frozenset[str]().union(*(propositions(f) for f in known))
-        clash = sorted(names & frozenset[str]().union(*(variables(f) for f in known)))
+        found = frozenset[Atom]().union(*map(atoms, formulas))
+        names = frozenset(a.name for a in found if isinstance(a, Proposition))
+        compared = [a for a in found if isinstance(a, Comparison)]
+        clash = sorted(names & variables_of(compared))
         if clash:
             raise FormulaError(
                 f"'{clash[0]}' is used both as a truth value and as a number",
                 hint=f"compare it with a number everywhere, as in '{clash[0]} > 0'",
             )
         groups = (tuple(sorted(names.intersection(g))) for g in exclusions)
-        bounds = [bound(c) for f in known for c in comparisons(f)]
+        bounds = [bound(c) for c in compared]
         return cls(
             names=tuple(sorted(names)),
             forms=tuple(forms_of(bounds)),
@@ -151,7 +153,7 @@ class Universe:
         solution = solve([row for i, region in regions for row in self.forms[i].rows(region)])
         return None if solution is None else dict(values_of(solution))
 
-    @property
+    @cached_property
     def _codes(self) -> dict[str, str]:
         return {name: f"p{i}" for i, name in enumerate(self.names)}
 
@@ -222,11 +224,10 @@ def components(formulas: Sequence[Formula], universe: Universe) -> list[list[int
 
 
 def _names(formula: Formula) -> frozenset[str]:
-    numeric = comparisons(formula)
-    if not numeric:
-        return propositions(formula)
-    compared = (n for c in numeric for n, _ in bound(c).coefficients)
-    return propositions(formula) | frozenset(compared) | variables(formula)
+    found = atoms(formula)
+    compared = [a for a in found if isinstance(a, Comparison)]
+    names = {n for c in compared for n, _ in bound(c).coefficients} | variables_of(compared)
+    return frozenset(a.name for a in found if isinstance(a, Proposition)) | names
 
 
 def _connected(sets: Sequence[frozenset[str]], ties: Iterable[frozenset[str]]) -> list[list[int]]:

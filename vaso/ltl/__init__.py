@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from vaso.ltl.english import to_english
+from vaso.ltl.limits import GENERATED, WRITTEN, Limits
 from vaso.ltl.normal import is_syntactically_safe, nnf, simplify
 from vaso.ltl.numbers import compare, value_of
 from vaso.ltl.nusmv import to_nusmv
@@ -51,7 +52,9 @@ from vaso.ltl.unicode import to_unicode
 
 __all__ = [
     "FALSE",
+    "GENERATED",
     "TRUE",
+    "WRITTEN",
     "Arithmetic",
     "Atom",
     "Binary",
@@ -59,6 +62,7 @@ __all__ = [
     "Comparison",
     "Constant",
     "Formula",
+    "Limits",
     "Number",
     "ParsedFormula",
     "Proposition",

@@ -111,7 +111,16 @@ def _at(token: lark.Token) -> int:
 
 @v_args(inline=True)
 class Builder(lark.Transformer[lark.Token, Part]):
-    """Called by the parser as it recognises a rule; stateless, so one instance serves all."""
+    """Called by the parser as it recognises a rule; stateless, so one instance serves all.
+
+    Args:
+        compare_readings: Whether to note what was probably meant (see ``reading.py``), which takes
+            time and stack that generated formulas do not deserve.
+    """
+
+    def __init__(self, *, compare_readings: bool) -> None:
+        super().__init__()
+        self._compares = compare_readings
 
     def name(self, token: lark.Token) -> Part:
         """Read a proposition or variable."""
@@ -167,7 +176,7 @@ class Builder(lark.Transformer[lark.Token, Part]):
         """Read a binary operator."""
         name = cast(BinaryOp, str(op))
         value = Binary(name, left.formula(), right.formula())
-        meant = _meant(name, left, right)
+        meant = _meant(name, left, right) if self._compares else None
         hoisted = meant is not None and left.is_open
         return Part(value, left.start, meant, is_open=right.is_open or hoisted)
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from vaso.ltl.diagnosis import Problem, not_ltl
+from vaso.ltl.limits import WRITTEN, Limits
 from vaso.ltl.tokens import OPERAND_ENDS, Token
 from vaso.ltl.vocabulary import (
     ANGLES,
@@ -31,12 +32,7 @@ from vaso.ltl.vocabulary import (
     is_reserved,
 )
 
-__all__ = ["MAX_BRACKETS", "MAX_LENGTH", "Tokens", "tokenize"]
-
-MAX_LENGTH = 65_536
-"""Longest text of a formula, in characters."""
-MAX_BRACKETS = 500
-"""Deepest nesting of brackets."""
+__all__ = ["Tokens", "tokenize"]
 
 
 class Tokens(NamedTuple):
@@ -72,12 +68,12 @@ _PREFIX = re.compile(
 )
 
 
-def tokenize(text: str, *, limited: bool = True) -> Tokens:
+def tokenize(text: str, *, limits: Limits = WRITTEN) -> Tokens:
     """Split the text of a formula into the terminals of the grammar.
 
     Args:
         text: The formula as it was written.
-        limited: Whether to refuse long texts and deep brackets.
+        limits: How long it may be, and how deep its brackets.
 
     Returns:
         The tokens, and warnings about spellings that may not mean what they seem to.
@@ -85,16 +81,16 @@ def tokenize(text: str, *, limited: bool = True) -> Tokens:
     Raises:
         Problem: The text is too long, has an unknown character or unbalanced brackets.
     """
-    if limited and len(text) > MAX_LENGTH:
+    if len(text) > limits.length:
         raise Problem(
             f"this formula has {len(text):,} characters",
             0,
-            expected=f"at most {MAX_LENGTH:,} characters",
+            expected=f"at most {limits.length:,} characters",
         )
     first, last = _bounds(text)
     scanner = _Scanner(text, first, last)
     raw = list(scanner.scan())
-    _check_brackets(text, raw, MAX_BRACKETS if limited else len(text))
+    _check_brackets(text, raw, limits.brackets)
     tokens = list(_join_names(text, list(_classify(text, raw))))
     return Tokens(tokens, scanner.warnings + _hyphen_warnings(text, tokens))
 
@@ -105,23 +101,24 @@ def _bounds(text: str) -> tuple[int, int]:
     if prefix := _PREFIX.match(text):
         first = prefix.end()
     while True:
-        inner = text[first:last]
-        first += len(inner) - len(inner.lstrip())
-        last -= len(inner) - len(inner.rstrip())
-        inner = text[first:last]
-        if inner.endswith((".", ";")):
+        while first < last and text[first].isspace():
+            first += 1
+        while first < last and text[last - 1].isspace():
             last -= 1
-        elif quote := next((q for q in _QUOTES if _is_quoted(inner, q)), None):
+        if text.endswith((".", ";"), first, last):
+            last -= 1
+        elif quote := next((q for q in _QUOTES if _is_quoted(text, first, last, q)), None):
             first, last = first + len(quote), last - len(quote)
-        elif prefix := _PREFIX.match(inner):
-            first += prefix.end()
+        elif prefix := _PREFIX.match(text, first, last):
+            first = prefix.end()
         else:
             return first, last
 
 
-def _is_quoted(text: str, quote: str) -> bool:
-    long_enough = len(text) >= 2 * len(quote)
-    return long_enough and text.startswith(quote) and text.endswith(_QUOTES[quote])
+def _is_quoted(text: str, first: int, last: int, quote: str) -> bool:
+    long_enough = last - first >= 2 * len(quote)
+    closed = text.endswith(_QUOTES[quote], first, last)
+    return long_enough and closed and text.startswith(quote, first, last)
 
 
 @dataclass(slots=True)

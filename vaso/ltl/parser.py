@@ -18,15 +18,13 @@ from lark.lexer import Lexer
 from vaso.ltl.build import Builder, Part
 from vaso.ltl.diagnosis import Problem, to_error, unexpected
 from vaso.ltl.lexer import tokenize
+from vaso.ltl.limits import UNLIMITED, WRITTEN, Limits
 from vaso.ltl.syntax import Comparison, Formula, Term
 from vaso.ltl.text import to_bracketed, to_text
 from vaso.ltl.tokens import Token
 from vaso.ltl.traverse import depth, propositions, variables
 
-__all__ = ["MAX_DEPTH", "ParsedFormula", "parse", "parse_with_warnings"]
-
-MAX_DEPTH = 500
-"""Deepest nesting of operators that the parser accepts."""
+__all__ = ["ParsedFormula", "parse", "parse_with_warnings"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,13 +42,20 @@ class ParsedFormula:
     warnings: tuple[str, ...] = ()
 
 
-def parse(text: str, *, source: str | None = None, line: int | None = None) -> Formula:
+def parse(
+    text: str,
+    *,
+    source: str | None = None,
+    line: int | None = None,
+    limits: Limits = WRITTEN,
+) -> Formula:
     """Read a formula.
 
     Args:
         text: The formula, in any of the accepted spellings.
         source: The file it stands in, for error messages.
         line: The line in that file.
+        limits: How large it may be.
 
     Raises:
         FormulaError: The text is not a formula. The message shows the place with a caret.
@@ -59,7 +64,10 @@ def parse(text: str, *, source: str | None = None, line: int | None = None) -> F
         >>> str(parse("[](people observed => ○ stop)"))
         'G(people_observed -> X stop)'
     """
-    return parse_with_warnings(text, source=source, line=line).formula
+    try:
+        return _read(text, limits)[0].formula()
+    except Problem as problem:
+        raise to_error(problem, text, source, line) from None
 
 
 def parse_with_warnings(
@@ -76,20 +84,26 @@ def parse_with_warnings(
         FormulaError: The text is not a formula.
     """
     try:
-        tokens, warnings = tokenize(text)
-        part = _parse_tokens(text, tokens)
-        formula = part.formula()
-        if depth(formula) > MAX_DEPTH:
-            raise Problem(
-                "this formula is nested too deeply",
-                0,
-                expected=f"at most {MAX_DEPTH} operators inside one another",
-            )
-        _check_kinds(formula, tokens)
+        part, warnings = _read(text, WRITTEN, compare_readings=True)
     except Problem as problem:
         raise to_error(problem, text, source, line) from None
+    formula = part.formula()
     warnings += _misreadings(text, formula, part.intended)
     return ParsedFormula(formula, text, tuple(warnings))
+
+
+def _read(text: str, limits: Limits, *, compare_readings: bool = False) -> tuple[Part, list[str]]:
+    tokens, warnings = tokenize(text, limits=limits)
+    part = _parse_tokens(text, tokens, compare_readings=compare_readings)
+    formula = part.formula()
+    if depth(formula) > limits.depth:
+        raise Problem(
+            "this formula is nested too deeply",
+            0,
+            expected=f"at most {limits.depth:,} operators inside one another",
+        )
+    _check_kinds(formula, tokens)
+    return part, warnings
 
 
 def restore(kind: str, text: str) -> Formula | Term:
@@ -100,7 +114,7 @@ def restore(kind: str, text: str) -> Formula | Term:
         text: Its canonical text.
     """
     if kind not in ("Number", "Variable", "Arithmetic"):
-        return _parse_tokens(text, tokenize(text, limited=False).tokens).formula()
+        return _parse_tokens(text, tokenize(text, limits=UNLIMITED).tokens).formula()
     comparison = restore("Comparison", f"{text} == 0")
     assert isinstance(comparison, Comparison)
     return comparison.left
@@ -122,24 +136,26 @@ class _TokenFeed(Lexer):
 
 
 @cache
-def _grammar() -> lark.Lark:
+def _grammar(compare_readings: bool) -> lark.Lark:
     return lark.Lark.open(
         "ltl.lark",
         rel_to=__file__,
         parser="lalr",
         lexer=_TokenFeed,
-        transformer=Builder(),
+        transformer=Builder(compare_readings=compare_readings),
         maybe_placeholders=False,
     )
 
 
-def _parse_tokens(text: str, tokens: Sequence[Token]) -> Part:
+def _parse_tokens(
+    text: str, tokens: Sequence[Token], *, compare_readings: bool = False
+) -> Part:
     if not tokens:
         raise Problem(
             "the formula is empty", 0, expected="a formula such as G(people_observed -> X stop)"
         )
     try:
-        part = _grammar().parse(tokens)
+        part = _grammar(compare_readings).parse(tokens)
     except lark.UnexpectedToken as error:
         at_end = error.token.type == "$END"
         raise unexpected(text, tokens, len(tokens) if at_end else error.token.column) from None

@@ -24,7 +24,7 @@ from vaso.ltl.syntax import (
     Unary,
     Variable,
 )
-from vaso.ltl.traverse import TEMPORAL_OPERATORS, fold, fold_term
+from vaso.ltl.traverse import TEMPORAL_OPERATORS, fold, fold_term, size
 
 __all__ = ["Symbols", "number_text", "term_text", "to_bracketed", "to_text"]
 
@@ -46,17 +46,35 @@ Symbols: TypeAlias = Mapping[str, str]
 ASCII: Symbols = {}
 
 
+_READABLE = 5_000  # nodes; nobody minds more brackets than needed in a longer formula
+
+_Rope: TypeAlias = "str | tuple[_Rope, ...]"
+
+
+def _joined(rope: _Rope) -> str:
+    """The text of a rope: parts of parts. Joined only once, so that deep formulas print quickly."""
+    found: list[str] = []
+    pending = [rope]
+    while pending:
+        part = pending.pop()
+        if isinstance(part, str):
+            found.append(part)
+        else:
+            pending.extend(reversed(part))
+    return "".join(found)
+
+
 @dataclass(frozen=True, slots=True)
 class _Printed:
     """A printed formula, with what is needed to decide whether it needs brackets.
 
     Attributes:
-        text: The text.
+        text: The text, in parts.
         binding: How tightly its outermost operator binds.
         is_open: Whether it ends with the unbracketed operand of a unary temporal operator.
     """
 
-    text: str
+    text: _Rope
     binding: int
     is_open: bool = False
 
@@ -64,11 +82,13 @@ class _Printed:
         return self if self.binding >= binding else self.in_brackets()
 
     def in_brackets(self) -> _Printed:
-        return _Printed(f"({self.text})", _ATOM)
+        return _Printed(("(", self.text, ")"), _ATOM)
 
 
 def to_text(node: Formula | Term, symbols: Symbols = ASCII) -> str:
     """Return the canonical text of a formula or term.
+
+    Formulas of thousands of operators get brackets around every operand.
 
     Args:
         node: What to print.
@@ -76,7 +96,9 @@ def to_text(node: Formula | Term, symbols: Symbols = ASCII) -> str:
     """
     if isinstance(node, Number | Variable | Arithmetic):
         return term_text(node, symbols)
-    return fold(node, lambda f, parts: _print(f, parts, symbols)).text
+    if size(node) > _READABLE:
+        return _bracketed(node, symbols)
+    return _joined(fold(node, lambda f, parts: _print(f, parts, symbols)).text)
 
 
 def _print(formula: Formula, parts: tuple[_Printed, ...], symbols: Symbols) -> _Printed:
@@ -100,7 +122,7 @@ def _print_unary(op: str, operand: _Printed, symbols: Symbols) -> _Printed:
     bracketed = inner is not operand
     space = " " if is_temporal and not bracketed else ""
     is_open = not bracketed if is_temporal else inner.is_open
-    return _Printed(f"{_spell(op, symbols)}{space}{inner.text}", _UNARY, is_open)
+    return _Printed((_spell(op, symbols) + space, inner.text), _UNARY, is_open)
 
 
 def _print_binary(formula: Binary, left: _Printed, right: _Printed, symbols: Symbols) -> _Printed:
@@ -114,7 +136,8 @@ def _print_binary(formula: Binary, left: _Printed, right: _Printed, symbols: Sym
         left = left.in_brackets()
     if right.binding != _ATOM and associates_unexpectedly(formula.op, None, formula.right):
         right = right.in_brackets()
-    return _Printed(f"{left.text} {_spell(formula.op, symbols)} {right.text}", own, right.is_open)
+    text = (left.text, f" {_spell(formula.op, symbols)} ", right.text)
+    return _Printed(text, own, right.is_open)
 
 
 def _spell(op: str, symbols: Symbols) -> str:
@@ -128,7 +151,7 @@ def number_text(value: float) -> str:
 
 def term_text(term: Term, symbols: Symbols = ASCII) -> str:
     """Return the text of a term with the fewest brackets."""
-    return fold_term(term, lambda t, parts: _print_term(t, parts, symbols)).text
+    return _joined(fold_term(term, lambda t, parts: _print_term(t, parts, symbols)).text)
 
 
 def _print_term(term: Term, parts: tuple[_Printed, ...], symbols: Symbols) -> _Printed:
@@ -140,23 +163,26 @@ def _print_term(term: Term, parts: tuple[_Printed, ...], symbols: Symbols) -> _P
         case Arithmetic(op, _, _):
             own = 1 if op in "+-" else 2
             left, right = parts[0].at_least(own), parts[1].at_least(own + 1)
-            return _Printed(f"{left.text} {_spell(op, symbols)} {right.text}", own)
+            return _Printed((left.text, f" {_spell(op, symbols)} ", right.text), own)
 
 
 def to_bracketed(formula: Formula) -> str:
     """Return a text with brackets around every operand that is more than a literal."""
+    return _bracketed(formula, ASCII)
 
+
+def _bracketed(formula: Formula, symbols: Symbols) -> str:
     def show(node: Formula, parts: tuple[_Printed, ...]) -> _Printed:
         match node:
             case Unary("!", Proposition() | Constant()):
-                return _Printed(f"!{parts[0].text}", _ATOM)
+                return _Printed((_spell("!", symbols), parts[0].text), _ATOM)
             case Unary(op, _):
                 inner = parts[0].at_least(_ATOM)
                 space = " " if inner is parts[0] and op != "!" else ""
-                return _Printed(f"{op}{space}{inner.text}", _UNARY)
+                return _Printed((_spell(op, symbols) + space, inner.text), _UNARY)
             case Binary(op, _, _):
                 left, right = (part.at_least(_ATOM) for part in parts)
-                return _Printed(f"{left.text} {op} {right.text}", 0)
-        return _print(node, parts, ASCII)
+                return _Printed((left.text, f" {_spell(op, symbols)} ", right.text), 0)
+        return _print(node, parts, symbols)
 
-    return fold(formula, show).text
+    return _joined(fold(formula, show).text)

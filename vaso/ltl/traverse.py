@@ -7,7 +7,7 @@ printer and transformation a small function and makes the depth of a formula irr
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TypeVar
 
 from vaso.ltl.syntax import (
@@ -42,6 +42,7 @@ __all__ = [
     "subformulas",
     "substitute",
     "variables",
+    "variables_of",
 ]
 
 N = TypeVar("N")
@@ -58,14 +59,17 @@ def _fold(
     pending = [root]
     while pending:
         node = pending[-1]
-        below = children(node)
-        missing = [child for child in below if child not in results]
-        if missing:
-            pending.extend(reversed(missing))
+        if node in results:
+            pending.pop()
             continue
-        pending.pop()
-        if node not in results:
-            results[node] = combine(node, tuple(results[child] for child in below))
+        below = children(node)
+        depth = len(pending)
+        for child in reversed(below):
+            if child not in results:
+                pending.append(child)
+        if len(pending) == depth:
+            pending.pop()
+            results[node] = combine(node, tuple([results[child] for child in below]))
     return results[root]
 
 
@@ -89,11 +93,10 @@ def fold_term(term: Term, combine: Callable[[Term, tuple[R, ...]], R]) -> R:
 
 def operands(formula: Formula) -> tuple[Formula, ...]:
     """Return the direct operands; atoms and constants have none."""
-    match formula:
-        case Unary(_, operand):
-            return (operand,)
-        case Binary(_, left, right):
-            return (left, right)
+    if isinstance(formula, Binary):  # not `match`: this is called more often than anything else
+        return (formula.left, formula.right)
+    if isinstance(formula, Unary):
+        return (formula.operand,)
     return ()
 
 
@@ -125,13 +128,18 @@ def propositions(formula: Formula) -> frozenset[str]:
 
 def variables(formula: Formula) -> frozenset[str]:
     """Return the names of the numeric propositions."""
+    return variables_of(comparisons(formula))
+
+
+def variables_of(compared: Iterable[Comparison]) -> frozenset[str]:
+    """Return the names of the numeric propositions in some comparisons."""
     found: set[str] = set()
 
     def note(term: Term, _: tuple[None, ...]) -> None:
         if isinstance(term, Variable):
             found.add(term.name)
 
-    for comparison in comparisons(formula):
+    for comparison in compared:
         fold_term(comparison.left, note)
         fold_term(comparison.right, note)
     return frozenset(found)

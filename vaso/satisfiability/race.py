@@ -16,7 +16,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from vaso.errors import VerifierError
-from vaso.ltl import Formula, Unary, conjunction, is_propositional, negate, propositions, size
+from vaso.ltl import (
+    Formula,
+    Unary,
+    conjunction,
+    depth,
+    is_propositional,
+    negate,
+    propositions,
+    size,
+)
 from vaso.ltl.nusmv import to_nusmv
 from vaso.satisfiability.explore import Lasso
 from vaso.verifiers import _pynusmv_pool
@@ -25,6 +34,7 @@ __all__ = ["Rival"]
 
 _HEAD_START = 1.5  # seconds that the search has for itself
 _LARGEST = 20_000  # nodes; beyond that NuSMV does not get anywhere in the time that people wait
+_DEEPEST = 500  # operators inside one another; NuSMV recurses
 _MEMORY_MB = 2_048
 
 
@@ -65,7 +75,7 @@ class Rival:
             self._thread.join()
 
     def _run(self) -> None:
-        if sum(map(size, self._formulas)) > _LARGEST:
+        if sum(map(size, self._formulas)) > _LARGEST or max(map(depth, self._formulas)) > _DEEPEST:
             return
         names = sorted(frozenset[str]().union(*map(propositions, self._formulas)))
         codes = {name: f"v{i}" for i, name in enumerate(names)}
