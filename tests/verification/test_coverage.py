@@ -209,6 +209,13 @@ def test_nothing_is_never_where_exploration_was_cut():
     assert found.never == (5,) and found.unheeded == ()
 
 
+def test_nothing_is_said_of_a_plan_that_was_not_explored_at_all():
+    plan = "try:\n    raise ValueError(1)\nexcept ValueError:\n    stop()\n"  # unsupported
+    found = coverage(plan)
+    assert (found.steps, found.never, found.unknown) == (0, (), (2, 4))
+    assert found.reason == "the plan could not be explored"
+
+
 def test_without_watching_only_what_calls_show_is_known():
     plan = "x = 1\nif people_observed():\n    x = 2\nif x > 5:\n    stop()\nforward()\n"
     found = coverage(plan, seconds=0.0)
@@ -314,9 +321,9 @@ _simple = st.sampled_from(
     [
         *([f"{c}()"] for c in CALLS),
         ["x = x + 1"],
-        ["x = 0"],
+        ["y = x"],
         ["stop() if x else forward()"],
-        ["raise ValueError(x)"],
+        ["raise ValueError('x')"],
         ["help_out()"],
     ]
 )
@@ -375,13 +382,14 @@ def _run(code, values, ran) -> bool:
 
 
 def compare_with_cpython(block):
-    plan = "\n".join([*HELPER, "x = 0", *block, ""])
+    plan = "\n".join([*HELPER, "x = 0", *block, "stop()", ""])
     ran, complete = lines_in_cpython(plan)
     found = coverage(plan)
     assert not set(found.never) & ran, plan
     assert not set(coverage(plan, seconds=0.0).executed) - set(found.executed), plan
     if complete and not found.reason:
-        assert set(found.executed) == ran, plan
+        heads = {n for n, line in enumerate(plan.splitlines(), 1) if "except" in line}
+        assert set(found.executed) == ran - heads, plan  # CPython counts `except` as a line
 
 
 @settings(max_examples=12, deadline=None)

@@ -1,6 +1,7 @@
 """Rules that hold without saying anything about the plan."""
 
 from functools import cache
+from pathlib import Path
 
 import pytest
 
@@ -270,3 +271,12 @@ def test_nothing_is_asked_where_no_rule_holds():
     rule = Passed(parse("G(turn_left -> stop)"))
     (found,) = vacuity.look_for_vacuity(checker, get_platform("jackal"), [rule])
     assert found.reason == NEVER + "turn_left"
+
+
+def test_the_page_about_it():
+    page = (Path(__file__).parents[2] / "docs" / "vacuity.md").read_text(encoding="utf-8")
+    code = page.partition("```python\n")[2].partition("```")[0]
+    scope: dict[str, object] = {}
+    exec(compile(code, "docs/vacuity.md", "exec"), scope)
+    said = code.rpartition("# ")[2].strip()
+    assert scope["result"].specs[-1].vacuous == said

@@ -24,6 +24,7 @@ from vaso.verification.usage import idle_actions, unheeded, unread
 __all__ = ["Branch", "Coverage", "measure"]
 
 _NOT_WATCHED = "they make no call, and were not watched"
+_NOT_EXPLORED = "the plan could not be explored"
 _WORDS = {
     ("if", True): "the condition is always true",
     ("while", True): "the condition of the loop is always true",
@@ -108,6 +109,10 @@ def measure(
         watched = trace(plan, skill, robot, system, known, formulas, seconds)
         found = replace(watched, copy=found.copy) if watched.reason else watched
     started = bool(known or found.reached) or not system.warnings
+    depths = (found.steps, system.cut.depth if system.cut else None)
+    steps = [depth for depth in depths if depth is not None]
+    if 0 in steps:
+        found = replace(found, reason=_NOT_EXPLORED)
     executed, never, unknown = _lines(found, started)
     return Coverage(
         executed=executed,
@@ -117,7 +122,7 @@ def measure(
         unread=unread(system, formulas),
         unheeded=unheeded(system, formulas),
         idle_actions=idle_actions(system, formulas, skill, robot),
-        steps=None if system.cut is None else system.cut.depth,
+        steps=min(steps, default=None),
         reason=found.reason if unknown else "",
     )
 

@@ -33,11 +33,13 @@ class Trace:
     Attributes:
         copy: The copy.
         reached: The points that are passed in some behaviour.
+        steps: Up to which step the copy was explored; None for all of them.
         reason: Why nothing is known; then ``reached`` is empty.
     """
 
     copy: Instrumented
     reached: frozenset[int] = frozenset()
+    steps: int | None = None
     reason: str = ""
 
 
@@ -81,7 +83,8 @@ def trace(
         if other.cut is not None and system.cut is None:
             found = Trace(copy, reason=_TOO_LONG)
         elif _behave_alike(system, other):
-            return Trace(copy, _reached(other))
+            steps = None if other.cut is None else other.cut.depth
+            return Trace(copy, _reached(other), steps)
         else:
             found = Trace(copy, reason=_DIFFERS)
     return found
