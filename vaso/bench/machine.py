@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import platform
+from importlib import metadata
 from pathlib import Path
+
+PACKAGES = ("vaso", "pynusmv", "pydantic-monty", "z3-solver", "python-sat")
 
 
 def describe_machine() -> str:
@@ -21,3 +24,14 @@ def _processor() -> str:
         return platform.processor() or "unknown processor"
     names = [line.split(":", 1)[1].strip() for line in text.splitlines() if "model name" in line]
     return names[0] if names else platform.machine()
+
+
+def versions() -> dict[str, str]:
+    """Versions of VASO and of what it measures, where they are installed."""
+    found = {}
+    for package in PACKAGES:
+        try:
+            found[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            continue
+    return found

@@ -10,7 +10,7 @@ from __future__ import annotations
 import statistics
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from vaso.ltl import Formula
 from vaso.plan import TransitionSystem, compile_plan
@@ -180,8 +180,9 @@ def _time(
     times: list[float] = []
     verdicts: Sequence[Verdict] = ()
     for run in range(repeats + 1):
+        system = replace(load.system)  # what another run has worked out is not known to this one
         start = time.perf_counter()
-        answers = verifier.check(load.system, load.formulas, timeout=limit, counterexamples=False)
+        answers = verifier.check(system, load.formulas, timeout=limit, counterexamples=False)
         took = time.perf_counter() - start
         verdicts = [a.verdict for a in answers]
         if any(v in (Verdict.UNSUPPORTED, Verdict.UNKNOWN) for v in verdicts):

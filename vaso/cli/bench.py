@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -12,6 +13,7 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
+from vaso.cli.benching import FOLDER, many, run_all
 from vaso.cli.common import JsonOption, console
 from vaso.cli.evidence import evidence, fuzz, mutation
 
@@ -26,11 +28,22 @@ app.command()(fuzz)
 app.command()(mutation)
 
 
+app.command()(many)
+
+
 @app.callback(invoke_without_command=True)
-def default(context: typer.Context) -> None:
-    """Run every benchmark when none is named."""
+def default(
+    context: typer.Context,
+    quick: Annotated[bool, typer.Option("--quick", help="Small workloads only.")] = False,
+    out: Annotated[Path, typer.Option(help="Folder for tables, plots and data.")] = FOLDER,
+    workers: Annotated[
+        int | None, typer.Option(min=1, help="Plans at a time; one a core by default.")
+    ] = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure satisfiability, exploration, many plans, and how they grow, when none is named."""
     if context.invoked_subcommand is None:
-        verify()
+        run_all(quick, out, workers, as_json)
 
 
 @app.command()

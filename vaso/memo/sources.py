@@ -6,7 +6,6 @@ import ast
 import hashlib
 import importlib.util
 import platform
-import shutil
 import sys
 import time
 from functools import cache
@@ -14,7 +13,9 @@ from importlib import metadata
 from pathlib import Path
 
 import vaso
+from vaso.errors import VerifierError
 from vaso.platforms import Platform, get_platform
+from vaso.verifiers.nusmv_engine import find_program
 
 __all__ = ["code_digest", "engine_version", "platform_digest"]
 
@@ -53,11 +54,13 @@ def _version(package: str) -> str:
 
 def engine_version(name: str) -> str:
     """What changes when a model checker's program is replaced; empty for those inside VASO."""
-    program = {"nusmv": "NuSMV", "nuxmv": "nuXmv"}.get(name)
-    path = shutil.which(program) if program else None
-    if path is None:
+    if name not in ("nusmv", "nuxmv"):
         return ""
-    found = Path(path).resolve().stat()
+    try:
+        path = find_program("nuXmv" if name == "nuxmv" else None)
+        found = Path(path).resolve().stat()
+    except (VerifierError, OSError):
+        return ""
     return f"{path} {found.st_size} {found.st_mtime_ns}"
 
 
