@@ -284,7 +284,8 @@ def test_without_the_library(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_check_has_level_c() -> None:
     result = check(contract([RULE_5]), timeout=60)
     assert result.satisfiable and result.exercisable and result.realizable is False
-    assert result.feasible is False and result.feedback.startswith("No plan can keep")
+    assert result.feasible and result.hopeless and result.verdict == "unrealizable"
+    assert result.feedback.startswith("No plan can keep")
     data = json.loads(json.dumps(result.to_json()))
     assert data["realizable"]["value"] is False
     assert data["realizable"]["counterplay"]["fixed"] is True

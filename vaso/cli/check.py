@@ -74,7 +74,7 @@ def _labels(skill: Skill, *, thorough: bool, seed: int) -> LabelReport:
 
 def _code(result: FeasibilityResult, report: LabelReport, *, thorough: bool) -> ExitCode:
     """The exit code; labels that could not be compared count only where that was asked for."""
-    if result.feasible is False or report.agree is False:
+    if result.hopeless or report.agree is False:
         return ExitCode.REFUTED
     if thorough and report.agree is None:
         return ExitCode.UNKNOWN

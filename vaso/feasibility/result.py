@@ -45,7 +45,7 @@ class Exercise:
 
 @dataclass(frozen=True, slots=True)
 class FeasibilityResult:
-    """Whether the contract of a skill can be kept, level by level. Truthy only if it can.
+    """Whether the contract of a skill can be kept, level by level. Truthy if (a) and (b) hold.
 
     Attributes:
         skill: The skill's name.
@@ -85,14 +85,24 @@ class FeasibilityResult:
 
     @property
     def feasible(self) -> bool | None:
-        """False if a level fails, True if (a) and (b) hold, None where that is not known.
+        """True if (a) and (b) hold, False if one fails, None where that is not known.
 
-        Level (c) counts where it is decided; that it is not leaves (a) and (b) as they are.
+        Level (c) is not part of it: it takes an engine that may not be installed.
         """
         levels = (self.satisfiable.sat, self.exercisable)
-        if False in (*levels, self.realizable):
-            return False
-        return None if None in levels else True
+        return False if False in levels else None if None in levels else True
+
+    @property
+    def hopeless(self) -> bool:
+        """True if no plan can keep the rules, whichever level says so."""
+        return False in (self.feasible, self.realizable)
+
+    @property
+    def verdict(self) -> str:
+        """The result in a word or two."""
+        if self.feasible is not False and self.realizable is False:
+            return "unrealizable"
+        return _VERDICTS[self.feasible]
 
     @property
     def core(self) -> tuple[str, ...]:
@@ -109,7 +119,7 @@ class FeasibilityResult:
         exercised = sum(t.sat is True for t in self.triggers)
         count = f" ({exercised} of {len(self.triggers)} triggers)" if self.triggers else ""
         lines = [
-            f"{self.skill}: {_VERDICTS[self.feasible]}",
+            f"{self.skill}: {self.verdict}",
             f"  (a) satisfiable: {_WORDS[self.satisfiable.sat]}",
             f"  (b) with every trigger exercised: {_WORDS[self.exercisable]}{count}",
             f"  (c) realizable: {_WORDS[self.realizable]}{self._remark()}",

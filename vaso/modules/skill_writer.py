@@ -204,7 +204,7 @@ class SkillWriter(dspy.Module):  # type: ignore[misc]
         except (SkillError, FormulaError, PlanError, PlatformError) as error:
             return Draft(text, problem=f"The draft cannot be used: {error}")
         reinstated = _formulas(written.global_rules) != _formulas(skill.global_rules)
-        problem = feasibility.feedback if feasibility.feasible is False else ""
+        problem = feasibility.feedback if feasibility.hopeless else ""
         return Draft(text, skill, feasibility, problem, reinstated)
 
     def _feasibility(self, skill: Skill) -> Any:

@@ -120,7 +120,7 @@ class SkillLoss:
 
     def _find_conflict(self, skill: Skill) -> str:
         found = self._check(skill)
-        if found.feasible is False:
+        if found.hopeless:
             return found.feedback or found.summary()
         return self._emptiness(skill)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from vaso.errors import OptimizerError
-from vaso.feasibility import check
+from vaso.feasibility import FeasibilityResult, check
 from vaso.gradient.model import Level
 from vaso.lm import get_lm, import_dspy
 from vaso.optimizers.base import Case, OnEvent, Optimizer, Proposer
@@ -94,8 +94,7 @@ def optimize(
         needed = lm is not None or chosen.needs_lm or asking
         model = metered(get_lm(lm), ledger, journal) if needed else None
         drawing = model if planner_lm is None else metered(get_lm(planner_lm), ledger, journal)
-        feasible = check(start).feasible
-        params = Parameters(start, trainable=trainable or _trainable(feasible))
+        params = Parameters(start, trainable=trainable or _trainable(check(start)))
         loss = SkillLoss(start, planner or _symbolic(), level=level)
         common: dict[str, Any] = {"lm": model, "seed": seed, "on_event": on_event, "store": store}
         stack.enter_context(_using(drawing))
@@ -113,9 +112,9 @@ def _load(skill: str | Path) -> Skill:
     return load_skill(skill, version="initial")
 
 
-def _trainable(feasible: bool | None) -> tuple[ParameterName, ...]:
+def _trainable(found: FeasibilityResult) -> tuple[ParameterName, ...]:
     """The local rule may change only where no plan can satisfy it."""
-    return ("local_rule", *DEFAULT_TRAINABLE) if feasible is False else DEFAULT_TRAINABLE
+    return ("local_rule", *DEFAULT_TRAINABLE) if found.hopeless else DEFAULT_TRAINABLE
 
 
 def _symbolic() -> Planner:

@@ -24,6 +24,7 @@ FEASIBLE = {
     False: ("✗ INFEASIBLE", "fail"),
     None: ("? NOT DECIDED", ""),
 }
+UNREALIZABLE = ("✗ UNREALIZABLE", "fail")
 
 
 def skill_cell(skill: Skill) -> str:
@@ -91,7 +92,8 @@ def _repair(edit: Edit | None) -> Markup | None:
 
 def feasibility_cell(result: FeasibilityResult) -> str:
     """Whether the rules of a skill can be kept, level by level."""
-    head = el("div", badge(*FEASIBLE[result.feasible]), el("span", result.skill), cls="facts")
+    heading = UNREALIZABLE if result.verdict == "unrealizable" else FEASIBLE[result.feasible]
+    head = el("div", badge(*heading), el("span", result.skill), cls="facts")
     exercised = sum(t.sat is True for t in result.triggers)
     several = f" ({exercised} of {len(result.triggers)})" if result.triggers else ""
     occurs = f"For each situation that a rule speaks of, one in which it occurs{several}"

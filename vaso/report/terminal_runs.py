@@ -44,7 +44,10 @@ def _feasibility_head(result: FeasibilityResult) -> Text:
         False: ("✗ INFEASIBLE", "bold red"),
         None: ("? NOT DECIDED", "bold yellow"),
     }
-    return Text(*heads[result.feasible]).append(f"   {result.skill}", style="default not bold")
+    head = heads[result.feasible]
+    if result.verdict == "unrealizable":
+        head = ("✗ UNREALIZABLE", "bold red")
+    return Text(*head).append(f"   {result.skill}", style="default not bold")
 
 
 def _levels(result: FeasibilityResult) -> Table:
