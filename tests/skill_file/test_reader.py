@@ -339,6 +339,21 @@ def test_text_in_a_rule_section_is_kept_and_is_no_rule() -> None:
     assert text.startswith("These hold always:") and "`F b -> c`" in text
 
 
+@pytest.mark.parametrize("blank", [" ", "\t", "   "])
+def test_blanks_inside_backticks_lose_no_rule(blank: str) -> None:
+    skill = with_rules(f"- `{blank}G(people_observed -> X stop){blank}` — rule 1\n- `G !backward`")
+    assert [r.text for r in skill.global_rules] == ["G(people_observed -> X stop)", "G !backward"]
+    assert skill.global_rules[0].note == "rule 1"
+
+
+@pytest.mark.parametrize(
+    "broken", ["(people_observed > X stop)", "people_observed -) X stop", "people_observed X stop"]
+)
+def test_a_damaged_rule_with_a_remark_does_not_become_text(broken: str) -> None:
+    error = refused(f"## Skill: drive\n\n## Global Contract\n\n- `{broken}` — rule 1\n\n{CODE}")
+    assert "rule cannot be read" in error.message and error.line == 5
+
+
 def test_a_fence_may_hold_the_rules_of_several_roles() -> None:
     fence = "```\n=====Jackal=====\n# Global Contract\n1. G a\n\n# Local Contract\n4. F b\n```"
     skill = with_rules(fence)

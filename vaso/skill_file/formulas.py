@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from vaso.errors import FormulaError
 from vaso.ltl import Constant, Proposition, parse_with_warnings
 
-_SPAN = re.compile(r"(\*\*|__|\*)?(`{1,3}|\${1,2}|\*\*|__)(?=\S)(.+?)\2(\*\*|__|\*)?", re.DOTALL)
+_SPAN = re.compile(
+    r"(\*\*|__|\*)?(`{1,3}|\${1,2}|\*\*|__)(?:(?<=`)\s*|(?=\S))(.+?)\2(\*\*|__|\*)?", re.DOTALL
+)
 _LABEL = re.compile(
     r"\s*(?P<label>[^`$:=]{1,200}?)\s*(?P<sign>:=|[:=–—]|\s-\s)(?:\*\*|__)?\s*(?=\S)"
 )
@@ -22,6 +24,8 @@ _SYMBOLS = re.compile(
 )
 _WORDS = re.compile(r"[\s(\[{¬!~]*(?:always|globally|eventually|finally|next)\b\s*", re.IGNORECASE)
 _COMPARISON = re.compile(r"[a-z_][\w ]{0,60}\(?\)?\s*(?:[<>≤≥]|[<>=!]=|=)\s*-?\d[\d.]*\s*[\w/^²]*")
+_LETTER_WORD = re.compile(r"(?<!\w)[GFXUW]+(?!\w)")
+_NAME = re.compile(r"\b[a-z_]\w+")
 _SIGN = re.compile(r"[&|∧∨¬!~<>=≤≥→⇒]")
 _STOP = re.compile(r"[;,#:(—–]|--|//")
 _QUOTED = re.compile(r"`[^`]*(?:`|$)|<!--.*?(?:-->|$)", re.DOTALL)
@@ -118,17 +122,21 @@ def looks_like_formula(text: str) -> bool:
 def is_recognised(text: str) -> bool:
     """Tell a formula between backticks from a single name, which may be there as a word.
 
+    Names around a temporal operator are a formula even if they cannot be read: a rule must not get
+    lost.
+
     Args:
         text: The text between the backticks.
     """
     if looks_like_formula(text):
         return True
+    broken = bool(_LETTER_WORD.search(text)) and len(_NAME.findall(text)) > 1
     if not _OPERATOR.search(text):
-        return False
+        return broken
     try:
         return not isinstance(parse_with_warnings(text).formula, Proposition | Constant)
     except FormulaError:
-        return False
+        return broken
 
 
 def further_formula(note: str) -> Found | None:
