@@ -281,7 +281,7 @@ class VerificationResult:
             "coverage": self.coverage.to_json() if self.coverage else None,
             "between": [b.to_json() for b in self.between],
             "labels": self.labels.to_json()
-            if self.labels
+            if self.labels is not None
             else {"agree": None, "text": self.label_line},
             "from_memo": self.from_memo,
         }

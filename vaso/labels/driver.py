@@ -8,6 +8,7 @@ command or a sleep lets a control period pass, and the labels are read at its en
 from __future__ import annotations
 
 import ast
+import builtins
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -221,7 +222,8 @@ def driver_text(
     driver = _DRIVER.replace("NEXT(", f"{NEXT}(")
     text = "\n".join([*head, driver])
     own = _OWN.sub(lambda name: f"__vaso_{name[0]}__", text)
-    return "\n".join([own, *_stubs(platform), _as_function(code), "__vaso_serve__()\n"])
+    parts = [own, *_undefined(code), *_stubs(platform), _as_function(code)]
+    return "\n".join([*parts, "__vaso_serve__()\n"])
 
 
 def _stubs(platform: Platform) -> Iterator[str]:
@@ -231,6 +233,24 @@ def _stubs(platform: Platform) -> Iterator[str]:
         yield _stub(command.name, "__vaso_send__", names)
     for sensor in platform.sensors:
         yield _stub(sensor.name, "__vaso_read__", json.dumps(list(sensor.parameters)))
+
+
+def _undefined(code: str) -> Iterator[str]:
+    """Names that nothing defines; to ask the host for each of them would take long."""
+    nodes = list(ast.walk(ast.parse(code)))
+    bound = {n.id for n in nodes if isinstance(n, ast.Name) and not isinstance(n.ctx, ast.Load)}
+    bound |= {n.name for n in nodes if isinstance(n, ast.FunctionDef | ast.ClassDef)}
+    bound |= {n.arg for n in nodes if isinstance(n, ast.arg)}
+    bound |= {
+        (a.asname or a.name).split(".")[0]
+        for n in nodes
+        for a in getattr(n, "names", ())
+        if isinstance(a, ast.alias)
+    }
+    read = {n.id for n in nodes if isinstance(n, ast.Name)}
+    for name in sorted(read - bound - set(dir(builtins)) - {"math", "time"}):
+        message = f"name {name!r} is not defined"
+        yield f"def {name}(*args, **kwargs):\n    raise NameError({message!r})\n"
 
 
 def _stub(name: str, target: str, parameters: str) -> str:

@@ -10,7 +10,7 @@ from vaso.labels.exclusion import overlapping
 from vaso.labels.functions import Functions
 from vaso.labels.result import Said
 from vaso.labels.trial import Call, Moment, Trial
-from vaso.labels.truth import is_true, same, sensor_domain
+from vaso.labels.truth import Rules, is_true, same, sensor_domain
 from vaso.plan.config import Origin
 from vaso.plan.transition_system import Label
 from vaso.platforms import Platform
@@ -33,6 +33,16 @@ class Difference:
     says: Said
     has: Label
     moment: Moment
+
+    def rank(self, rules: Rules) -> int:
+        """How little it tells.
+
+        0 for an action's own function that does something else, 1 for what can hide a violation of
+        a rule, 2 for anything else.
+        """
+        if self.moment.api == self.name and self.says is True and self.has is False:
+            return 0
+        return 1 if rules.hides(self.name, self.says, self.has) else 2
 
 
 @dataclass

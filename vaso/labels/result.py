@@ -101,15 +101,11 @@ class LabelComparison:
             return str(self.witness).partition(": ")[2]
         if self.status is LabelStatus.SAMPLED:
             first = f"no difference in {self.samples:,} random runs"
-            bounds = " (".join(f"{p:.2g} % with {c:.0%} confidence" for c, p in self._percents)
-            return f"{first}; mismatch rate below {bounds}{')' if len(self.bounds) > 1 else ''}"
+            bounds = [f"{100 * p:.2g} % with {100 * c:g} % confidence" for c, p in self.bounds]
+            return f"{first}; mismatch rate below {', below '.join(bounds)}"
         if self.status is LabelStatus.INCOMPARABLE:
             return f"not comparable, because {self.detail}"
         return f"proved equal: {self.detail}" if self.detail else "proved equal"
-
-    @property
-    def _percents(self) -> list[tuple[float, float]]:
-        return [(confidence, 100 * bound) for confidence, bound in self.bounds]
 
     def to_json(self) -> dict[str, Any]:
         """Plain data for ``--json``."""
@@ -221,7 +217,7 @@ class LabelReport:
         """The report as a few lines of plain text."""
         lines = [f"{self.skill}: {self.line}" if self.skill else self.line]
         lines += [f"  {c.name}: {c.text}" for c in self.comparisons]
-        lines += [f"  in the plan: {self.in_plan.line}"] if self.in_plan else []
+        lines += [f"  in the plan: {self.in_plan.line}"] if self.in_plan is not None else []
         return "\n".join(lines)
 
     def to_json(self) -> dict[str, Any]:
@@ -232,7 +228,7 @@ class LabelReport:
             "states": self.states,
             "gap": self.gap,
             "propositions": [c.to_json() for c in self.comparisons],
-            "in_plan": self.in_plan.to_json() if self.in_plan else None,
+            "in_plan": self.in_plan.to_json() if self.in_plan is not None else None,
             "seconds": self.seconds,
         }
 

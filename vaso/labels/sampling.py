@@ -12,6 +12,7 @@ from vaso.labels.judge import Difference, Judge
 from vaso.labels.sandbox import BATCH, Sandbox
 from vaso.labels.space import Space
 from vaso.labels.trial import Trial
+from vaso.labels.truth import Rules
 
 __all__ = ["CONFIDENCES", "Sample", "Sampled", "sample"]
 
@@ -25,25 +26,27 @@ class Sample:
     Attributes:
         trials: Independent trials in which it was compared.
         failures: Those in which it differed.
-        example: One of them, the shortest.
+        example: One of them: the most telling one, and of those the shortest.
     """
 
     trials: int = 0
     failures: int = 0
     example: tuple[Trial, Difference] | None = None
+    cost: tuple[int, int] = (9, 0)
 
     @property
     def bounds(self) -> tuple[tuple[float, float], ...]:
         """Upper bounds on the mismatch rate, by confidence."""
         return tuple((c, upper_bound(self.failures, self.trials, c)) for c in CONFIDENCES)
 
-    def note(self, trial: Trial, differences: list[Difference]) -> None:
+    def note(self, trial: Trial, differences: list[Difference], rules: Rules) -> None:
         """Count a trial."""
         self.trials += 1
         self.failures += bool(differences)
-        for difference in differences[:1]:
-            if self.example is None or len(trial.operations) < len(self.example[0].operations):
-                self.example = trial, difference
+        for difference in differences:
+            cost = difference.rank(rules), difference.moment.operation
+            if cost < self.cost:
+                self.example, self.cost = (trial, difference), cost
 
 
 @dataclass
@@ -55,7 +58,14 @@ class Sampled:
 
 
 def sample(
-    sandbox: Sandbox, space: Space, judge: Judge, *, count: int, seed: int, seconds: float
+    sandbox: Sandbox,
+    space: Space,
+    judge: Judge,
+    rules: Rules,
+    *,
+    count: int,
+    seed: int,
+    seconds: float,
 ) -> Sampled:
     """Run independent random trials, all drawn alike.
 
@@ -63,6 +73,7 @@ def sample(
         sandbox: The labelling code.
         space: What is drawn from.
         judge: Compares.
+        rules: What is verified; examples are chosen by what they hide.
         count: Number of trials.
         seed: Equal seeds draw equal trials.
         seconds: Time after which no further trials are run.
@@ -80,7 +91,7 @@ def sample(
             verdict = judge(trial, moments)
             for name in verdict.compared:
                 own = [d for d in verdict.differences if d.name == name]
-                found.samples.setdefault(name, Sample()).note(trial, own)
+                found.samples.setdefault(name, Sample()).note(trial, own, rules)
     return found
 
 

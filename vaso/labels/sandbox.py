@@ -42,6 +42,7 @@ class Sandbox:
         name = skill.source or f"{skill.name}: labelling code"
         code = skill.labelling_code
         self.labelling = Labelling(code, platform, name=name, line=skill.labelling_line)
+        self.labelling.start()
         self.tree = ast.parse(code)
         self.keys: dict[str, tuple[Scalar, ...]] = {}
         self._machine: Machine | None = None

@@ -76,6 +76,7 @@ class _States:
             "" if system.cut is None else f"the plan was not explored further: {_reason(system)}"
         )
         self.witnesses: dict[str, LabelWitness] = {}
+        self.ranks: dict[str, int] = {}
         self.compared: set[str] = set()
 
     def run(self) -> None:
@@ -176,12 +177,12 @@ class _States:
         place: _Place,
         senses: dict[str, Scalar],
     ) -> None:
-        """Keep a witness: the first one, or the first that can hide a violation."""
-        before = self.witnesses.get(name)
-        if before is not None and before.hides:
-            return
+        """Keep the most telling witness: an action's own function, what can hide a violation."""
         hides = self.rules.hides(name, label, true)
-        if before is None or hides:
+        own = state.api.startswith(f"{name}(") and label is True and true is False
+        rank = 0 if own else 1 if hides else 2
+        if rank < self.ranks.get(name, 3):
+            self.ranks[name] = rank
             situation = _situation(state, place.step, senses)
             self.witnesses[name] = LabelWitness(name, label, true, situation, hides, state.line)
 

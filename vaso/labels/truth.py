@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from vaso.errors import FormulaError
 from vaso.ltl import Formula, propositions, variables
@@ -83,17 +84,20 @@ class Rules:
         """
         if not isinstance(says, bool | int | float):
             return ""
-        for literal in self._literals():
+        for literal in self._literals:
             if _holds(literal, name, says) is True and _holds(literal, name, has) is False:
                 return str(literal)
         return ""
 
-    def _literals(self) -> Iterable[Formula]:
+    @cached_property
+    def _literals(self) -> tuple[Formula, ...]:
         """Comparisons, propositions and negated propositions, as the rules depend on them."""
+        found: dict[Formula, None] = {}
         for formula in map(nnf, self.formulas):
             above = [f for f in subformulas(formula) if not _is_literal(f)]
             parts = dict.fromkeys(part for node in above for part in operands(node))
-            yield from filter(_is_literal, (formula, *parts))
+            found |= dict.fromkeys(filter(_is_literal, (formula, *parts)))
+        return tuple(found)
 
 
 def _is_literal(formula: Formula) -> bool:

@@ -12,11 +12,11 @@ from vaso.labels.judge import Difference, Judge
 from vaso.labels.result import LabelComparison, LabelReport, LabelStatus, LabelWitness
 from vaso.labels.sampling import Sample, sample
 from vaso.labels.sandbox import Sandbox
-from vaso.labels.search import Found, Search, Wanted
+from vaso.labels.search import Found, Search
 from vaso.labels.shorten import shorten
 from vaso.labels.space import Space
 from vaso.labels.states import compare_states
-from vaso.labels.symbolic import prove
+from vaso.labels.symbolic import Proofs, prove
 from vaso.labels.truth import Rules, sensor_domain
 from vaso.labels.witness import witness_of
 from vaso.ltl import Formula
@@ -47,7 +47,7 @@ class Effort:
     template: bool
 
 
-QUICK = Effort(trials=300, examples=30, proof_seconds=2.0, seconds=3.0, template=False)
+QUICK = Effort(trials=300, examples=30, proof_seconds=2.0, seconds=6.0, template=False)
 FULL = Effort(trials=3_000, examples=200, proof_seconds=10.0, seconds=15.0, template=True)
 CHECKED = 200
 """Random trials of what is proved already: proofs are over the reals, the robot computes in floats.
@@ -187,56 +187,49 @@ class _Validation:
     # -- runs ------------------------------------------------------------------------------------
 
     def _tried(
-        self, sandbox: Sandbox, proofs: Mapping[str, str]
+        self, sandbox: Sandbox, proofs: Proofs
     ) -> tuple[dict[str, Sample], dict[str, LabelWitness]]:
-        """Random runs, then a search for each difference and for what they did not show."""
+        """Random runs, suspicions of the solver, and a search for what they did not show."""
         self.deadline = time.monotonic() + self.effort.seconds
         judge, space = Judge(self.robot, sandbox.functions), Space(sandbox, self.rules.formulas)
-        names = {*sandbox.functions.actions, *sandbox.functions.labels}
-        count = self.effort.trials if names - proofs.keys() else min(CHECKED, self.effort.trials)
-        left = max(0.0, self.deadline - time.monotonic())
-        samples = sample(sandbox, space, judge, count=count, seed=self.seed, seconds=left).samples
+        names = {*sandbox.functions.actions, *sandbox.functions.labels} - proofs.proved.keys()
+        count = self.effort.trials if names else min(CHECKED, self.effort.trials)
+        samples = sample(
+            sandbox,
+            space,
+            judge,
+            self.rules,
+            count=count,
+            seed=self.seed,
+            seconds=self.effort.seconds,
+        ).samples
+        found = {n: one.example for n, one in samples.items() if one.example is not None}
+        for trial, moments in zip(proofs.suspects, sandbox.run(proofs.suspects), strict=True):
+            for difference in judge(trial, moments).differences:
+                found.setdefault(difference.name, (trial, difference))
         search = Search(sandbox, space, judge, self.seed)
-        witnesses: dict[str, LabelWitness] = {}
-        for name, one in samples.items():
-            if one.example is not None:
-                witnesses[name] = self._witness(search, name, one.example)
-        while name := self._further(search, names - proofs.keys() - witnesses.keys(), witnesses):
-            samples.setdefault(name, Sample())
-        return samples, witnesses
+        while further := self._find(search, names - found.keys()):
+            found[further[1].name] = further
+        for name in found.keys() - samples.keys():
+            samples[name] = Sample()
+        return samples, {n: self._witness(sandbox, judge, example) for n, example in found.items()}
 
-    def _witness(self, search: Search, name: str, example: Found) -> LabelWitness:
-        """The simplest witness, if possible one that can hide a violation."""
+    def _witness(self, sandbox: Sandbox, judge: Judge, example: Found) -> LabelWitness:
+        """The simplest witness that tells as much as an example."""
+        name, rank = example[1].name, example[1].rank(self.rules)
 
-        def about(difference: Difference) -> bool:
-            return difference.name == name
+        def as_telling(difference: Difference) -> bool:
+            return difference.name == name and difference.rank(self.rules) <= rank
 
-        def hiding(difference: Difference) -> bool:
-            return about(difference) and bool(
-                self.rules.hides(name, difference.says, difference.has)
-            )
+        simplest = shorten(sandbox, judge, *example, as_telling)
+        return witness_of(*simplest, self.robot, self.rules)
 
-        found = None
-        for wanted in (hiding, about) if name in self.rules.names else (about,):
-            found = found or self._find(search, wanted)
-        if found is None:
-            found = shorten(search.sandbox, search.judge, *example, about)
-        return witness_of(*found, self.robot, self.rules)
-
-    def _further(self, search: Search, names: set[str], witnesses: dict[str, LabelWitness]) -> str:
-        """Search for a difference in what random runs found none in; its name, or nothing."""
-        found = self._find(search, lambda d: d.name in names) if names else None
-        if found is None:
-            return ""
-        name = found[1].name
-        witnesses[name] = self._witness(search, name, found)
-        return name
-
-    def _find(self, search: Search, wanted: Wanted) -> Found | None:
+    def _find(self, search: Search, names: set[str]) -> Found | None:
+        """A difference in some propositions, if there is time to look for one."""
         left = self.deadline - time.monotonic()
-        return (
-            search.find(wanted, examples=self.effort.examples, seconds=left) if left > 0 else None
-        )
+        if not names or left <= 0:
+            return None
+        return search.find(lambda d: d.name in names, examples=self.effort.examples, seconds=left)
 
     # -- outcomes --------------------------------------------------------------------------------
 
@@ -244,7 +237,7 @@ class _Validation:
         self,
         name: str,
         defined: set[str],
-        proofs: Mapping[str, str],
+        proofs: Proofs,
         samples: Mapping[str, Sample],
         witnesses: Mapping[str, LabelWitness],
     ) -> LabelComparison:
@@ -260,8 +253,9 @@ class _Validation:
         )
         if witness := witnesses.get(name):
             return replace(counted, status=LabelStatus.DIFFERS, witness=witness)
-        if name in proofs:
-            return replace(counted, status=LabelStatus.PROVED, means="smt", detail=proofs[name])
+        if name in proofs.proved:
+            detail = proofs.proved[name]
+            return replace(counted, status=LabelStatus.PROVED, means="smt", detail=detail)
         if name not in defined and self.robot.proposition(name) is not None:
             detail = "the code does not define it; the platform's own meaning is used"
             return LabelComparison(

@@ -35,7 +35,7 @@ class Alignment:
     """
 
     def __init__(self, skill: Skill, result: VerificationResult, platform: Platform) -> None:
-        self.in_plan = result.labels or LabelReport()
+        self.in_plan = result.labels if result.labels is not None else LabelReport()
         self.anywhere = _validated(skill, platform)
 
     @property

@@ -61,12 +61,18 @@ def labels_table(report: LabelReport) -> Table:
     table.add_column("proposition", overflow="fold")
     table.add_column("compared with the robot", ratio=1, overflow="fold")
     for comparison in report.comparisons:
-        table.add_row(Text(*MARKS[comparison.status]), _name(comparison), comparison.text)
+        table.add_row(Text(*MARKS[comparison.status]), _name(comparison), _found(comparison))
     return table
 
 
 def _name(comparison: LabelComparison) -> Text:
     return Text(comparison.name, style="" if comparison.mentioned else "dim")
+
+
+def _found(comparison: LabelComparison) -> str:
+    """What was found, without the outcome that stands beside it."""
+    bare = comparison.status in (LabelStatus.PROVED, LabelStatus.INCOMPARABLE)
+    return comparison.detail if bare else comparison.text
 
 
 def label_banner(result: VerificationResult) -> Markup:
@@ -83,7 +89,7 @@ def labels_cell(report: LabelReport) -> str:
     """A label validation as HTML."""
     word = el("span", HEADS[report.agree][0], cls=f"badge {BADGES[report.agree]}".strip())
     rows = [_row(c) for c in report.comparisons]
-    plan = el("p", f"plan template: {report.in_plan.line}") if report.in_plan else None
+    plan = el("p", f"plan template: {report.in_plan.line}") if report.in_plan is not None else None
     card = el("div", rows, cls="card rules") if rows else None
     return cell(
         el("div", word, el("span", report.skill), cls="facts"), el("p", report.line), card, plan
@@ -94,5 +100,5 @@ def _row(comparison: LabelComparison) -> Markup:
     kinds = {LabelStatus.DIFFERS: "fail", LabelStatus.INCOMPARABLE: ""}
     kind = kinds.get(comparison.status, "pass")
     badge = el("span", MARKS[comparison.status][0], cls=f"badge {kind}".strip())
-    text = join(el("p", el("code", comparison.name)), el("p", comparison.text, cls="soft"))
+    text = join(el("p", el("code", comparison.name)), el("p", _found(comparison), cls="soft"))
     return el("div", el("div", badge), el("div", text), cls="rule")

@@ -8,15 +8,31 @@ floating-point error are left out, and a rounding to six or more decimals is tak
 from __future__ import annotations
 
 import ast
+from dataclasses import dataclass, field
 
 from vaso.labels.functions import Functions
+from vaso.labels.trial import Trial
 from vaso.platforms import Platform
 from vaso.skill import Skill
 
-__all__ = ["prove"]
+__all__ = ["Proofs", "prove"]
 
 
-def prove(skill: Skill, platform: Platform, functions: Functions, seconds: float) -> dict[str, str]:
+@dataclass
+class Proofs:
+    """What symbolic execution says.
+
+    Attributes:
+        proved: For each proposition that is proved, what exactly was proved.
+        suspects: Runs in which some other label may be wrong, from the solver's models; they are
+            to be tried out.
+    """
+
+    proved: dict[str, str] = field(default_factory=dict)
+    suspects: list[Trial] = field(default_factory=list)
+
+
+def prove(skill: Skill, platform: Platform, functions: Functions, seconds: float) -> Proofs:
     """Prove labels equal to the truth.
 
     Args:
@@ -26,8 +42,8 @@ def prove(skill: Skill, platform: Platform, functions: Functions, seconds: float
         seconds: Time of the processor after which nothing more is proved.
 
     Returns:
-        For each proposition that is proved, what exactly was proved. For the others nothing is
-        known: the code was not understood, there was no time, or a label is wrong.
+        The proofs. Of propositions without one nothing is known: the code was not understood,
+        there was no time, or the label is wrong.
     """
     from vaso.labels.symbolic.calls import prove_calls
     from vaso.labels.symbolic.paths import now
@@ -38,4 +54,4 @@ def prove(skill: Skill, platform: Platform, functions: Functions, seconds: float
     try:
         return method(ast.parse(skill.labelling_code), platform, functions, deadline)
     except Exception:  # whatever is in the way of a proof, there is none, and runs go on
-        return {}
+        return Proofs()

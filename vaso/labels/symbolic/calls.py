@@ -16,6 +16,8 @@ from functools import partial
 import z3
 
 from vaso.labels.functions import Functions, Parameter
+from vaso.labels.symbolic import Proofs
+from vaso.labels.symbolic.models import assignment
 from vaso.labels.symbolic.names import issued_record
 from vaso.labels.symbolic.paths import Path, explore, holds
 from vaso.labels.symbolic.program import Program
@@ -28,6 +30,7 @@ from vaso.labels.symbolic.values import (
     is_term,
 )
 from vaso.labels.symbolic.world import World, unknown_command
+from vaso.labels.trial import Call, Trial
 from vaso.labels.truth import sensor_domain
 from vaso.platforms import Command, Platform
 
@@ -40,8 +43,8 @@ Claim = tuple[str, Value, Value]
 
 def prove_calls(
     tree: ast.Module, platform: Platform, functions: Functions, deadline: float
-) -> dict[str, str]:
-    """The propositions whose labels are proved equal to the truth, with what was proved.
+) -> Proofs:
+    """Prove labels equal to the truth, or find calls after which they may not be.
 
     Raises:
         NotUnderstoodError: Some function has no meaning for the interpreter, so that nothing can
@@ -49,7 +52,7 @@ def prove_calls(
     """
     proof = _Calls(tree, platform, functions, deadline)
     proof.run()
-    return dict.fromkeys(sorted(proof.proved), DETAIL)
+    return Proofs(dict.fromkeys(sorted(proof.proved), DETAIL), proof.suspects)
 
 
 @dataclass
@@ -60,6 +63,8 @@ class _Calls:
     deadline: float
     claimed: set[str] = field(default_factory=set)
     refuted: set[str] = field(default_factory=set)
+    suspects: list[Trial] = field(default_factory=list)
+    called: tuple[str, list[Value]] | None = None
 
     def __post_init__(self) -> None:
         self.world = World(self.platform)
@@ -73,6 +78,7 @@ class _Calls:
         """Prove what can be proved."""
         for name, parameters in self.functions.variants():
             self._claim(partial(self._after, name, parameters))
+        self.called = None
         self._claim(self._observed)
         self._claim(self._at_rest)
         for command in self.platform.commands:
@@ -87,6 +93,15 @@ class _Calls:
             self.claimed.add(name)
             if name not in self.refuted and not _same(path, label, truth):
                 self.refuted.add(name)
+                self._suspect(path, label, truth)
+
+    def _suspect(self, path: Path, label: Value, truth: Value) -> None:
+        """Note the call and the arguments for which a label may be wrong."""
+        if self.called is None:
+            return
+        point = assignment(path, label, truth, self.called[1])
+        if point is not None:
+            self.suspects.append(Trial((Call(self.called[0], tuple(point)),)))
 
     # -- claims ------------------------------------------------------------------------------------
 
@@ -95,8 +110,10 @@ class _Calls:
         program = Program(self.tree, self.platform, path)
         program.forget()
         before = dict(program.names.found)
+        given = [_argument(p, path) for p in parameters]
+        self.called = name, given
         with suppress(PythonError):
-            program.call(name, [_argument(p, path) for p in parameters])
+            program.call(name, list(given))
         after = program.names.found
         if not program.sent:
             if after.keys() != before.keys() or any(after[n] is not v for n, v in before.items()):

@@ -106,6 +106,15 @@ class Loop:
             found[name] = path.fresh(name, sort)
         return found | {name: Tail() for name in self.lists}
 
+    def at_rest(self, after: Quantities) -> Quantities:
+        """Variables after the set-point at rest.
+
+        Args:
+            after: The values of its variables then, as :meth:`quantities` gives them.
+        """
+        found = {n: list(v) if isinstance(v, list) else v for n, v in self.known.items()}
+        return found | {name: after[self.quantity(name)] for name in self.changed}
+
     def quantities(self, known: Quantities) -> Quantities:
         """The values of its variables."""
         for name in self.changed:

@@ -10,17 +10,22 @@ must follow that the label is the truth after the next set-point, whatever it is
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+import random
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import z3
 
 from vaso.labels.functions import Functions
+from vaso.labels.symbolic import Proofs
 from vaso.labels.symbolic.history import History
 from vaso.labels.symbolic.interpreter import Interpreter
 from vaso.labels.symbolic.loops import Loop, Loops
 from vaso.labels.symbolic.mathematics import negative
+from vaso.labels.symbolic.models import assignment
 from vaso.labels.symbolic.names import issued_record
 from vaso.labels.symbolic.paths import Path, explore, holds, model_of
 from vaso.labels.symbolic.program import Program
@@ -33,12 +38,17 @@ from vaso.labels.symbolic.values import (
     is_term,
 )
 from vaso.labels.symbolic.world import World, parts
+from vaso.labels.trial import Send, Trial
 from vaso.platforms import Command, Platform
 
 __all__ = ["prove_trajectory"]
 
 DETAIL = "for every list of set-points, by induction, in real arithmetic"
 MAX_ROUNDS = 20
+SIMULATED = 20
+"""Set-points of the flight that tests guesses before the solver does."""
+LONGEST = 2
+"""Set-points in a list for which a label that is not proved is suspected to be wrong."""
 
 Guess = tuple[str, str, str]
 """(relation, one quantity, another): ``("==", "loop 5:4 z", "robot 0")``."""
@@ -47,8 +57,8 @@ Quantities = dict[str, Value]
 
 def prove_trajectory(
     tree: ast.Module, platform: Platform, functions: Functions, deadline: float
-) -> dict[str, str]:
-    """The propositions whose labels are proved equal to the truth, with what was proved.
+) -> Proofs:
+    """Prove labels equal to the truth, or find set-points for which they may not be.
 
     Only trajectories are covered: code with functions that send commands is not proved.
     """
@@ -56,14 +66,16 @@ def prove_trajectory(
     sends = any(isinstance(n, ast.Global | ast.Nonlocal) for n in ast.walk(tree))
     names = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
     if track is None or sends or names & {c.name for c in platform.commands}:
-        return {}
-    world, found = World(platform), {}
+        return Proofs()
+    world, found = World(platform), Proofs()
     for name, kinds in functions.labels.items():
-        try:
-            if _Induction(tree, platform, track, world, name, kinds, deadline).proved():
-                found[name] = DETAIL
-        except NotUnderstoodError:
-            continue
+        proof = _Induction(tree, platform, track, world, name, kinds, deadline)
+        with suppress(NotUnderstoodError):
+            if proof.proved():
+                found.proved[name] = DETAIL
+                continue
+        with suppress(NotUnderstoodError):
+            found.suspects += proof.suspects()
     return found
 
 
@@ -97,6 +109,7 @@ class _Induction:
         if len(found) != 1 or found[0] is None:
             return False
         self.guesses = [g for g in _guesses(found[0]) if _is_true(_fact(g, found[0]))]
+        self._simulate(found[0])
         return self._settle_guesses() and self._label_is_truth()
 
     # -- the robot at rest -------------------------------------------------------------------------
@@ -113,6 +126,21 @@ class _Induction:
         return {**loops.after, **_robot(self.world.initial), **_point(rest)}
 
     # -- guesses -----------------------------------------------------------------------------------
+
+    def _simulate(self, after: Quantities) -> None:
+        """Drop the guesses that a flight along random set-points shows to be wrong."""
+        rng, path = random.Random(0), Path([], [], self.deadline)
+        world = self.world.initial
+        inside = {key: loop.at_rest(after) for key, loop in self.loops.items()}
+        for _ in range(SIMULATED):
+            size = self.track.parameters[0].size or 0
+            point = tuple(rng.randint(-16, 16) / 8 for _ in range(size))
+            world = self._moved(path, world, point)
+            here = {**_robot(world), **_point(point)}
+            for key, known in inside.items():
+                self._turn(path, self.loops[key], point, known)
+                here |= self.loops[key].quantities(known)
+            self.guesses = [g for g in self.guesses if _is_true(_fact(g, here))]
 
     def _settle_guesses(self) -> bool:
         """Keep the guesses that one more set-point preserves; False if time is up before."""
@@ -198,6 +226,27 @@ class _Induction:
         label = self._label(path, history, point, last, loops)
         return label, self.world.truth(path, self._moved(path, world, point)).get(self.name)
 
+    def suspects(self) -> list[Trial]:
+        """The shortest lists of set-points for which the label may be wrong, one at most."""
+        for count in range(1, LONGEST + 1):
+            for path, (points, label, truth) in explore(partial(self._few, count), self.deadline):
+                flat = [part for point in points for part in point]
+                values = assignment(path, label, truth, flat)
+                if values is not None:
+                    return [_flight(values, self.track)]
+        return []
+
+    def _few(self, count: int, path: Path) -> tuple[list[Any], Value, Value]:
+        """Some set-points, with the label and the truth after them."""
+        rest = self.platform.rest.arguments[0][1]
+        points = [self._points(path)[1] for _ in range(count)]
+        world = self.world.initial
+        for point in points:
+            world = self._moved(path, world, point)
+        history = History(first=rest, known=[rest, *points])
+        label = self._label(path, history, points[-1], history.item(-2), Loops())
+        return points, label, self.world.truth(path, world).get(self.name)
+
     def _label(
         self, path: Path, history: History, current: Value, previous: Value, loops: Loops
     ) -> Value:
@@ -223,6 +272,13 @@ class _Induction:
     def _moved(self, path: Path, world: Value, point: Value) -> Value:
         issued = issued_record(self.track.name, {self.track.parameters[0].name: point})
         return self.world.step(path, world, issued)
+
+
+def _flight(values: Sequence[Any], track: Command) -> Trial:
+    """A run along set-points."""
+    size = track.parameters[0].size or 1
+    points = [tuple(values[i : i + size]) for i in range(0, len(values), size)]
+    return Trial(tuple(Send(track.issue((point,), {}), True) for point in points))
 
 
 def _robot(world: Value) -> Quantities:
