@@ -216,6 +216,12 @@ def test_nothing_is_said_of_a_plan_that_was_not_explored_at_all():
     assert found.reason == "the plan could not be explored"
 
 
+def test_a_plan_that_ends_before_it_does_anything():
+    found = coverage("x = 1\ny = x / 0\nstop()\n")
+    assert (found.executed, found.never, found.unknown) == ((), (3,), (1, 2))
+    assert found.reason == "an exception ends the plan before its first call"
+
+
 def test_without_watching_only_what_calls_show_is_known():
     plan = "x = 1\nif people_observed():\n    x = 2\nif x > 5:\n    stop()\nforward()\n"
     found = coverage(plan, seconds=0.0)
@@ -387,7 +393,7 @@ def compare_with_cpython(block):
     found = coverage(plan)
     assert not set(found.never) & ran, plan
     assert not set(coverage(plan, seconds=0.0).executed) - set(found.executed), plan
-    if complete and not found.reason:
+    if complete and not found.unknown:
         heads = {n for n, line in enumerate(plan.splitlines(), 1) if "except" in line}
         assert set(found.executed) == ran - heads, plan  # CPython counts `except` as a line
 

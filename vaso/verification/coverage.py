@@ -24,6 +24,7 @@ from vaso.verification.usage import idle_actions, unheeded, unread
 __all__ = ["Branch", "Coverage", "measure"]
 
 _NOT_WATCHED = "they make no call, and were not watched"
+_ENDS_EARLY = "an exception ends the plan before its first call"
 _NOT_EXPLORED = "the plan could not be explored"
 _WORDS = {
     ("if", True): "the condition is always true",
@@ -123,7 +124,7 @@ def measure(
         unheeded=unheeded(system, formulas),
         idle_actions=idle_actions(system, formulas, skill, robot),
         steps=min(steps, default=None),
-        reason=found.reason if unknown else "",
+        reason=(found.reason or _ENDS_EARLY) if unknown else "",
     )
 
 

@@ -118,13 +118,13 @@ class _Writer:
         start = next((i for i, s in enumerate(tree.body) if acts(s)), len(tree.body))
         for statement in tree.body[:start]:
             self._inside(statement, None)
-        tree.body[start:] = self._block(tree.body[start:], is_entered=True)
+        tree.body[start:] = self._block(tree.body[start:])
 
-    def _block(self, body: Sequence[ast.stmt], *, is_entered: bool = False) -> list[ast.stmt]:
-        """A block with its points; one that is entered for certain needs none at its beginning."""
+    def _block(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
+        """A block with its points."""
         found: list[ast.stmt] = []
         point: int | None = None
-        follows = is_entered
+        follows = False
         for number, statement in enumerate(body):
             if place(statement) in self.ran:
                 point = None
