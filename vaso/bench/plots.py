@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -60,16 +61,22 @@ def _scaling(figure: Any, suite: Suite) -> Any:
 
 
 def _satisfiability(figure: Any, suite: Suite) -> Any:
-    picture = figure(figsize=(7.2, 3.8), layout="constrained")
-    axes = picture.subplots()
-    places = {what: i for i, what in enumerate(dict.fromkeys(p.what for p in suite.satisfiability))}
-    moved = [Point(p.series, places[p.what], p.seconds) for p in suite.satisfiability]
-    _lines(axes, moved, suite.limit)
-    axes.set(yscale="log", ylabel=SECONDS, title="Is a set of rules satisfiable?")
-    labels = [what.replace(", ", ",\n") for what in places]
-    axes.set_xticks(list(places.values()), labels, fontsize=8)
-    axes.grid(alpha=0.25)
-    axes.legend(frameon=False)
+    """A panel for rules that can be kept, and one for rules that cannot."""
+    picture = figure(figsize=(9, 3.8), layout="constrained")
+    kinds = {"satisfiable": "", "in conflict": ", in conflict"}
+    panels = picture.subplots(1, len(kinds), sharey=True)
+    for axes, (title, ending) in zip(panels, kinds.items(), strict=True):
+        chosen = [p for p in suite.satisfiability if p.what.endswith(ending or "propositions")]
+        places = {what: i for i, what in enumerate(dict.fromkeys(p.what for p in chosen))}
+        moved = [Point(p.series, places[p.what], p.seconds) for p in chosen]
+        _lines(axes, moved, suite.limit)
+        axes.set(yscale="log", title=f"Sets of rules, {title}")
+        labels = ["\n".join(re.findall(r"\d+", what)) for what in places]
+        axes.set_xticks(list(places.values()), labels)
+        axes.set_xlabel("rules (above), propositions (below)")
+        axes.grid(alpha=0.25)
+    panels[0].set_ylabel(SECONDS)
+    panels[0].legend(frameon=False)
     return picture
 
 

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 
 from vaso.bench.measure import Point, timed
 from vaso.bench.plain import PlainNuSMV
 from vaso.feasibility import satisfiable
+from vaso.ltl import parse
 
-__all__ = ["SIZES", "measure", "rules"]
+__all__ = ["SIZES", "measure", "rules", "with_conflict"]
 
-SIZES = ((6, 10), (6, 20), (10, 20), (14, 30), (20, 40))
-"""Numbers of rules and of propositions. The fourth is what NuSMV takes seconds for."""
+SIZES = ((4, 8), (6, 12), (8, 16), (10, 20), (14, 30), (20, 40))
+"""Numbers of rules and of propositions. The last but one is what NuSMV takes seconds for."""
 
 _FORMS = (
     "G({0} -> X {1})",
@@ -38,10 +40,14 @@ def rules(count: int, propositions: int, seed: int = 0) -> list[str]:
     deck: list[str] = []
     found = []
     for number in range(count):
-        if len(deck) < 3:
-            deck += rng.sample(names, len(names))
         form = _FORMS[number % len(_FORMS)]
-        found.append(form.format(*(deck.pop() for _ in range(3))))
+        needed = next(n for n in (3, 2, 1) if f"{{{n - 1}}}" in form)
+        if len(deck) < needed:  # the next round; nothing twice in one rule
+            deck = (
+                rng.sample([name for name in names if name not in deck], propositions - len(deck))
+                + deck
+            )
+        found.append(form.format(*(deck.pop() for _ in range(needed))))
     return found
 
 
@@ -53,18 +59,27 @@ def measure(limit: float, repeats: int, *, quick: bool = False) -> Iterator[Poin
         repeats: Runs of VASO, of which the median counts.
         quick: Only the smaller sizes.
     """
-    from vaso.ltl import parse
-
     plain = PlainNuSMV()
     for count, propositions in SIZES[: 2 if quick else None]:
         texts = rules(count, propositions)
-        what = f"{count} rules, {propositions} propositions"
-        seconds, found = timed(repeats, satisfiable, texts, timeout=limit)
-        told = {True: "satisfiable", False: "not satisfiable", None: "undecided"}[found.sat]
-        known = None if found.sat is None else seconds
-        yield Point("VASO", count, known, what, told)
-        answer = plain.satisfiable([parse(text) for text in texts], limit)
-        told = "undecided"
-        if answer.verdicts:
-            told = "not satisfiable" if answer.verdicts[0] else "satisfiable"
-        yield Point(plain.name, count, answer.seconds, what, told)
+        for asked, note in ((texts, ""), (with_conflict(texts), ", in conflict")):
+            what = f"{len(asked)} rules, {propositions} propositions{note}"
+            yield from _compare(plain, asked, what, limit, repeats)
+
+
+def with_conflict(texts: Sequence[str]) -> list[str]:
+    """The rules with two more that exclude the first one, ``G(a -> X b)``."""
+    trigger, promise = re.findall(r"p\d+", texts[0])
+    return [*texts, f"G F {trigger}", f"F G !{promise}"]
+
+
+def _compare(
+    plain: PlainNuSMV, texts: Sequence[str], what: str, limit: float, repeats: int
+) -> Iterator[Point]:
+    told = {True: "satisfiable", False: "not satisfiable", None: "undecided"}
+    seconds, found = timed(repeats, satisfiable, texts, timeout=limit)
+    known = None if found.sat is None else seconds
+    yield Point("VASO", len(texts), known, what, told[found.sat])
+    answer = plain.satisfiable([parse(text) for text in texts], limit)
+    sat = not answer.verdicts[0] if answer.verdicts else None
+    yield Point(plain.name, len(texts), answer.seconds, what, told[sat])

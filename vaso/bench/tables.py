@@ -22,12 +22,12 @@ def markdown(suite: Suite) -> str:
         f"Medians; a run may take {suite.limit:g} s."
         + (" Small workloads only (`--quick`)." if suite.quick else ""),
         "## Many plans\n\n" + _many(suite.many),
-        "## Satisfiability\n\n" + _points("rules", suite.satisfiability),
+        "## Satisfiability\n\n" + _points("rules", suite.satisfiability, suite.limit),
         "## Exploration\n\n" + _rates(suite.exploration),
     ]
     units = {family.name: family.unit for family in families()}
     parts += [
-        f"## Growth with {name}\n\n{_points(units[name], points)}"
+        f"## Growth with {name}\n\n{_points(units[name], points, suite.limit)}"
         for name, points in suite.scaling.items()
     ]
     return "\n\n".join(parts) + "\n"
@@ -40,24 +40,27 @@ def duration(seconds: float | None, limit: float | None = None) -> str:
     return f"{seconds * 1000:.0f} ms" if seconds < 1 else f"{seconds:.2f} s"
 
 
-def _points(unit: str, points: Sequence[Point]) -> str:
+def _points(unit: str, points: Sequence[Point], limit: float) -> str:
     """A row for each workload; the last series is the yardstick of the ratio."""
     series = list(dict.fromkeys(p.series for p in points))
     rows = []
     for what in dict.fromkeys((p.x, p.what) for p in points):
         found = {p.series: p for p in points if (p.x, p.what) == what}
         times = [found[s].seconds if s in found else None for s in series]
-        outcomes = list(dict.fromkeys(p.outcome for p in found.values() if p.outcome))
-        rows.append(
-            [f"{what[0]:g}", what[1], *map(duration, times), _ratio(times), "; ".join(outcomes)]
-        )
+        told = (p.outcome for p in found.values() if p.outcome and p.seconds is not None)
+        outcomes = list(dict.fromkeys(told))
+        shown = [duration(t, limit) for t in times]
+        rows.append([f"{what[0]:g}", what[1], *shown, _ratio(times, limit), "; ".join(outcomes)])
     head = [unit, "workload", *series, f"{series[-2]} is quicker by", "outcome"]
     return _table(head, rows)
 
 
-def _ratio(times: Sequence[float | None]) -> str:
+def _ratio(times: Sequence[float | None], limit: float) -> str:
     ours, plain = times[-2], times[-1]
-    return f"{plain / ours:.1f}×" if ours and plain else "-"
+    if not ours:
+        return "-"
+    ratio = (plain or limit) / ours
+    return f"{'' if plain else '> '}{ratio:.1f}×" if ratio < 100 else f"> {ratio // 100 * 100:.0f}×"
 
 
 def _rates(rates: Iterable[Rate]) -> str:
