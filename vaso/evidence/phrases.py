@@ -39,6 +39,7 @@ TESTS = (
 STATEMENTS = (
     "n += 1", "n = (n + 1) % 3", "n = min(n + 1, 3)", "n = 0", "n -= n > 0",
     "x = x + 0.1 if x < 0.4 else 0.0", "x = (x + 0.1) % 0.5", "x = 0.3",
+    "x = round(x + 0.15, 1) % 0.5",
     "seen = people_observed()", "seen = seen or obstacle_observed()", "seen, done = done, seen",
     "done = n > 1 or target_observed()", "done = not done", "mode = 'turn'", "mode = 'wait'",
     "mode = {'go': 'turn', 'turn': 'wait'}.get(mode, 'go')", "log.append(n)", "log = log[-2:]",
@@ -219,7 +220,26 @@ def advance(s):
     stop()
     return State.DRIVE""",
         ("machine['state'] = advance(machine['state'])", "advance(State.HALT)"),
-        ("machine['state'] is State.DRIVE", "machine['state'] != State.HALT"),
+        ("machine['state'] is State.DRIVE", "machine['state'] != State.HALT",
+         "machine['state'].name == 'HALT'", "isinstance(machine['state'], State)"),
+    ),
+    Feature(
+        "own exception",
+        """class Blocked(Exception):
+    pass
+def step():
+    if obstacle_observed():
+        raise Blocked('in the way')
+    forward()
+def careful_step():
+    try:
+        step()
+    except Blocked:
+        stop()
+        return False
+    return True""",
+        ("careful_step()", "seen = careful_step()"),
+        ("careful_step()",),
     ),
     Feature(
         "dataclass",
@@ -229,7 +249,7 @@ class Leg:
     steps: int
     left: bool = True""",
         ("leg = Leg(2)", "leg = Leg(n, left=False); n = leg.steps"),
-        ("Leg(1).left", "Leg(steps=n).steps == 1"),
+        ("Leg(1).left", "Leg(steps=n).steps == 1", "Leg(n) == Leg(1)"),
     ),
     Feature(
         "clock",
