@@ -8,9 +8,10 @@ equal states are one state.
 
 from __future__ import annotations
 
+import re
 import time
 from collections import deque
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -125,7 +126,7 @@ class Session:
             line=skill.labelling_line,
         )
         self._texts = [program.prelude, program.text]
-        self.machine = Machine(self._texts, relevance=_relevance(program.text))
+        self.machine = Machine(self._texts, relevance=_relevance(program.text, known))
         self.clock = program.uses_clock or self.labelling.uses_clock
         self.needed = needed
         looks_back = any(f.parameters for f in draft.functions.values())
@@ -144,7 +145,10 @@ class Session:
         self.labelling.__exit__(*exc)
 
 
-def _relevance(text: str) -> Relevance | None:
+def _relevance(text: str, known: Collection[str]) -> Relevance | None:
+    """What matters of a plan's numbers; None for one that only computes, or is not followed."""
+    if not set(re.findall(r"\w+", text)) & {*known, "sleep"}:
+        return None
     try:
         return analyse(text)
     except (NotAnalysableError, RecursionError):

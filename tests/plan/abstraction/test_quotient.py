@@ -176,7 +176,7 @@ BUDGET = Budget(states=150, seconds=30)
 
 def explored(source: str, monkeypatch: pytest.MonkeyPatch | None = None) -> TransitionSystem:
     if monkeypatch is not None:
-        monkeypatch.setattr(explore, "_relevance", lambda text: None)
+        monkeypatch.setattr(explore, "_relevance", lambda text, known: None)
     return compile_plan(source, DRIVE, budget=BUDGET)
 
 

@@ -220,5 +220,5 @@ def test_loops_that_close(source):
 
 @pytest.mark.parametrize("source", CLOSES.values(), ids=CLOSES)
 def test_they_do_not_close_by_themselves(source, monkeypatch):
-    monkeypatch.setattr(explore, "_relevance", lambda text: None)
+    monkeypatch.setattr(explore, "_relevance", lambda text, known: None)
     assert compile_plan(source, DRIVE, budget=Budget(states=300)).cut is not None

@@ -27,7 +27,7 @@ from vaso.plan.abstraction.lowering import Lowering
 from vaso.plan.abstraction.scopes import NotAnalysableError, Scopes, parameters
 
 MAX_STEPS = 20_000
-MAX_ROUNDS = 60_000
+MAX_WORK = 400_000
 _INTERVALS: Mapping[str, Interval] = {
     "exactly": EXACT,
     "sign": (Fraction(0), Fraction(0)),
@@ -121,6 +121,7 @@ class _Solver:
         self._handlers = set(graph.handlers)
         self._todo: deque[tuple[int, Form]] = deque()
         self._waiting: set[tuple[int, Form]] = set()
+        self._work = 0
 
     def solve(self) -> list[Atoms]:
         """What matters before every step.
@@ -133,49 +134,52 @@ class _Solver:
         for number, step in enumerate(self._graph.steps):
             if isinstance(step, Use):
                 self._add(number, step.value, _INTERVALS[step.how])
-        for _ in range(MAX_ROUNDS):
-            if not self._todo:
-                return self._before
+        while self._todo:
             item = self._todo.popleft()
             self._waiting.discard(item)
             self._pass_on(*item)
-        raise NotAnalysableError("the analysis of the plan takes too long")
+        return self._before
 
     def _pass_on(self, number: int, form: Form) -> None:
         interval = self._before[number].bounds.get(form)
         if interval is None:
             return  # a basis stands for it by now
-        value = Affine(dict(form))
         for other in self._preceding[number]:
-            for wanted in self._through(self._graph.steps[other], value, interval):
-                self._add(other, *wanted)
+            self._through(other, form, interval)
         if number in self._handlers:
             for other in range(len(self._before)):
-                self._add(other, value, interval)
+                self._join(other, form, interval)
+
+    def _through(self, number: int, form: Form, interval: Interval) -> None:
+        """Add what must be known before a step, for a form to be known after it."""
+        step = self._graph.steps[number]
+        if isinstance(step, Assign):
+            if any(var == step.var for var, _ in form):
+                for wanted in _assigned(step, Affine(dict(form)), interval):
+                    self._add(number, *wanted)
+                return
+        elif isinstance(step, Stop):
+            rate = next((c for var, c in form if var == CLOCK), None)
+            interval = interval if rate is None else _later(rate, interval)
+        elif isinstance(step, Enter):
+            own, kept = step.function, self._parameters[step.function]
+            if any(v[0] == own and v[1] not in kept for v, _ in form):
+                return  # reading a variable that the function has not set yet would fail
+        self._join(number, form, interval)
 
     def _add(self, number: int, value: Affine, interval: Interval) -> None:
         found = normal(value, interval)
         if found is not None:
-            for form in self._before[number].add(*found):
-                if (number, form) not in self._waiting:
-                    self._waiting.add((number, form))
-                    self._todo.append((number, form))
+            self._join(number, *found)
 
-    def _through(
-        self, step: object, value: Affine, interval: Interval
-    ) -> Iterator[tuple[Affine, Interval]]:
-        """What must be known before a step, for a form to be known after it."""
-        if isinstance(step, Assign) and step.var in value.terms:
-            yield from _assigned(step, value, interval)
-        elif isinstance(step, Stop) and CLOCK in value.terms:
-            yield value, _later(value.terms[CLOCK], interval)
-        elif isinstance(step, Enter):
-            own, kept = step.function, self._parameters[step.function]
-            # Reading any other variable of the function's would fail at this point.
-            if all(v[0] != own or v[1] in kept for v in value.terms):
-                yield value, interval
-        else:
-            yield value, interval
+    def _join(self, number: int, form: Form, interval: Interval) -> None:
+        self._work += 1
+        if self._work > MAX_WORK:
+            raise NotAnalysableError("the analysis of the plan takes too long")
+        for changed in self._before[number].add(form, interval):
+            if (number, changed) not in self._waiting:
+                self._waiting.add((number, changed))
+                self._todo.append((number, changed))
 
 
 def _assigned(step: Assign, value: Affine, interval: Interval) -> Iterator[tuple[Affine, Interval]]:
