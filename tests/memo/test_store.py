@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from vaso.memo import Memo, default_memo
+from vaso.memo import Memo, default_memo, without_memo
 
 KEY = "ab" + "0" * 38
 
@@ -174,6 +174,13 @@ def test_where_the_memo_of_a_user_is(tmp_path, monkeypatch):
     for word in ("off", "OFF", "0", "no"):
         monkeypatch.setenv("VASO_CACHE", word)
         assert default_memo() is None
+
+
+def test_a_comparison_of_times_keeps_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("VASO_CACHE", str(tmp_path))
+    with without_memo():
+        assert default_memo() is None
+    assert default_memo().folder == tmp_path
 
 
 def test_no_entry_can_run_code(tmp_path):

@@ -13,6 +13,7 @@ from vaso.comparison.setup import Job
 from vaso.errors import VasoError
 from vaso.gradient.model import Level
 from vaso.lm import explain, import_dspy
+from vaso.memo import without_memo
 from vaso.optimizers import (
     Budget,
     Case,
@@ -47,6 +48,11 @@ def execute(job: Job, listener: Listener | None = None, *, cold: bool = True) ->
         KeyboardInterrupt: The user ended it before there was anything to tell.
     """
     row = empty_row(job)
+    with without_memo():  # what one run has verified must not make the next one quicker
+        return _execute(job, row, listener, cold)
+
+
+def _execute(job: Job, row: Row, listener: Listener | None, cold: bool) -> Row:
     if cold:
         _warm_up(job)
     try:

@@ -8,6 +8,6 @@ plan is verified again.
 from __future__ import annotations
 
 from vaso.memo.recall import Recall, verify_remembered
-from vaso.memo.store import Memo, MemoInfo, default_memo
+from vaso.memo.store import Memo, MemoInfo, default_memo, without_memo
 
-__all__ = ["Memo", "MemoInfo", "Recall", "default_memo", "verify_remembered"]
+__all__ = ["Memo", "MemoInfo", "Recall", "default_memo", "verify_remembered", "without_memo"]

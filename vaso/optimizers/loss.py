@@ -13,6 +13,7 @@ from vaso.gradient import find_repair, textual_gradient
 from vaso.gradient.model import Edit, Level, TextualGradient
 from vaso.lm import explain
 from vaso.ltl import Unary, parse, propositions, variables
+from vaso.memo import default_memo, verify_remembered
 from vaso.modules.symbolic import SymbolicPlanner
 from vaso.optimizers.alignment import Alignment
 from vaso.optimizers.base import Case, LossValue
@@ -25,7 +26,6 @@ from vaso.plan.transition_system import TransitionSystem
 from vaso.platforms import Platform, get_platform
 from vaso.skill import Skill
 from vaso.verdict import VerificationResult, score_of
-from vaso.verification import verify
 
 Planner = Callable[[Skill, str], Any]
 """Gives a :class:`~vaso.plan.Plan`, or a ``dspy.Prediction`` with one in its field ``plan``."""
@@ -69,8 +69,8 @@ class SkillLoss:
             skill: The skill at the start: its plans tell what a plan for each task should do.
             planner: Writes the plan for a skill and a task prompt.
             level: How much the gradients say.
-            verify: Verifies a plan of a skill; by default :func:`vaso.verify`, with bounds on the
-                time, since an edit can make a plan grow without end.
+            verify: Verifies a plan of a skill; by default as :func:`vaso.verify`, with the user's
+                memo and with bounds on the time, since an edit can make a plan grow without end.
             check: Checks the feasibility of a skill.
         """
         self.planner, self.level = planner, Level(level)
@@ -271,7 +271,15 @@ def _key(skill: Skill, plan: str) -> str:
 
 
 def _verify_in_time(skill: Skill, plan: Plan) -> VerificationResult:
-    return verify(skill, plan, budget=Budget(seconds=SECONDS), timeout=SECONDS, between=False)
+    return verify_remembered(
+        skill,
+        plan,
+        memo=default_memo(),
+        with_system=True,
+        timeout=SECONDS,
+        budget=Budget(seconds=SECONDS),
+        between=False,
+    )
 
 
 def _plan_of(answer: Any) -> Plan:
