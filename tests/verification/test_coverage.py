@@ -181,6 +181,12 @@ def test_conditions_that_come_out_both_ways_and_constants():
     assert coverage("n = 0\nif n:\n    stop() if n > 1 else forward()\n").branches == ()
 
 
+def test_a_condition_that_is_never_decided():
+    plan = "def wait():\n    while True:\n        stop()\nif wait():\n    forward()\n"
+    found = coverage(plan)
+    assert (found.branches, found.never) == ((), (5,))
+
+
 def test_sensors_that_are_not_read_or_not_heeded():
     plan = "while True:\n    if people_observed():\n        stop()\n    else:\n        stop()\n"
     found = coverage(plan, seconds=0.0)
@@ -235,7 +241,7 @@ def test_without_watching_only_what_calls_show_is_known():
 def test_a_plan_that_reads_so_often_that_points_would_be_too_many():
     plan = """\
 total = 0
-for i in range(20):
+for i in range(10):
     for k in range(30):
         if people_observed():
             total = total + 1
@@ -280,13 +286,13 @@ def test_in_a_verification():
 def test_points_are_where_something_may_not_run():
     text = "x = 1\nforward()\nif x:\n    y = 2\n    z = 3\n"
     copy = instrument(text, {"forward"}, ran={(2, 0)})
-    assert copy.text.count(f"{POINT}(") == 3  # before the condition, where it is false, and in it
+    assert copy.text.count(f"{POINT}(") == 4  # before the condition, its two values, its body
     assert [(s.first, s.point) for s in copy.spans] == [
         (1, None),
         (2, None),
         (3, 1),
-        (4, 3),
-        (5, 3),
+        (4, 4),
+        (5, 4),
     ]
 
 

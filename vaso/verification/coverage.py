@@ -152,9 +152,6 @@ def _lines(found: Trace, started: bool) -> tuple[tuple[int, ...], tuple[int, ...
 
 def _branches(found: Trace) -> Iterator[Branch]:
     for choice in found.copy.choices:
-        if choice.head is not None and choice.head not in found.reached:
-            continue
-        yes = choice.yes is None or choice.yes in found.reached
-        no = choice.no is None or choice.no in found.reached
-        if yes != no:
+        yes, no = choice.yes in found.reached, choice.no in found.reached
+        if yes != no and (choice.kind, yes) in _WORDS:  # a body that is not entered is seen anyway
             yield Branch(choice.line, _WORDS[choice.kind, yes])

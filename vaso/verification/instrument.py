@@ -53,17 +53,15 @@ class Choice:
 
     Attributes:
         line: Its line.
-        head: The point of the statement that it belongs to; None where that is known to run.
         kind: ``if``, ``while`` or ``either`` (a conditional expression).
-        yes: The point for true; None where its lines show that already.
-        no: The point for false; None where its lines show that already.
+        yes: The point for true.
+        no: The point for false.
     """
 
     line: int
-    head: int | None
     kind: str
-    yes: int | None
-    no: int | None
+    yes: int
+    no: int
 
 
 @dataclass
@@ -133,7 +131,7 @@ class _Writer:
                 found.append(ast.Expr(self._call(point)))
             after = body[number + 1] if number + 1 < len(body) else None
             if isinstance(statement, ast.If | ast.While) and not self._is_shown(statement, after):
-                self._condition(statement, point)
+                self._condition(statement)
             self._inside(statement, point)
             found.append(statement)
             follows = _cannot_fail(statement)
@@ -144,7 +142,7 @@ class _Writer:
         self.result.spans.append(Span(statement.lineno, last_line(statement), point))
         for node in list(own_nodes(statement)):
             if isinstance(node, ast.IfExp):
-                self._either(node, point)
+                self._either(node)
         if isinstance(statement, ast.ClassDef):
             for inner in statement.body:  # its own statements run with it
                 self._inside(inner, point)
@@ -162,16 +160,17 @@ class _Writer:
             return isinstance(statement.body[-1], ast.Break | ast.Continue | ast.Return | ast.Raise)
         return not any(isinstance(n, ast.Break) for n in ast.walk(statement))
 
-    def _condition(self, statement: ast.If | ast.While, point: int | None) -> None:
-        """Note when a condition is false."""
-        no = self._new()
-        kind = "while" if isinstance(statement, ast.While) else "if"
-        self.result.choices.append(Choice(statement.lineno, point, kind, None, no))
-        statement.test = ast.BoolOp(ast.Or(), [statement.test, self._call(no)])
-
-    def _either(self, node: ast.IfExp, point: int | None) -> None:
+    def _condition(self, statement: ast.If | ast.While) -> None:
+        """Note how a condition comes out."""
         yes, no = self._new(), self._new()
-        self.result.choices.append(Choice(node.test.lineno, point, "either", yes, no))
+        kind = "while" if isinstance(statement, ast.While) else "if"
+        self.result.choices.append(Choice(statement.lineno, kind, yes, no))
+        true = ast.BoolOp(ast.And(), [statement.test, ast.UnaryOp(ast.Not(), self._call(yes))])
+        statement.test = ast.BoolOp(ast.Or(), [true, self._call(no)])
+
+    def _either(self, node: ast.IfExp) -> None:
+        yes, no = self._new(), self._new()
+        self.result.choices.append(Choice(node.test.lineno, "either", yes, no))
         node.body = ast.BoolOp(ast.Or(), [self._call(yes), node.body])
         node.orelse = ast.BoolOp(ast.Or(), [self._call(no), node.orelse])
 

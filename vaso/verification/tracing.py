@@ -7,6 +7,7 @@ side by side, and what the copy shows counts only if they never differ.
 from __future__ import annotations
 
 import ast
+import time
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -65,29 +66,32 @@ def trace(
     """
     sensor = SensorSpec(name=POINT, parameters=("point",), domain=(False,))
     watched = robot.model_copy(update={"sensors": (*robot.sensors, sensor)})
-    found = Trace(Instrumented(), reason=_DIFFERS)
+    deadline = time.monotonic() + seconds
+    found = Trace(Instrumented(), reason=_TOO_LONG)
     for once in (False, True) if robot.sensors else (True,):
         copy = instrument(plan.source, functions_of(skill, robot), known_to_run, once=once)
-        budget = Budget(states=2 * len(system.states) + 100, seconds=seconds)
+        left = max(0.0, deadline - time.monotonic())
+        budget = Budget(states=2 * len(system.states) + 100, seconds=left)
         try:
             other = compile_plan(
-                Plan(source=copy.text),
-                skill,
-                platform=watched,
-                formulas=formulas,
-                budget=budget,
+                copy.text, skill, platform=watched, formulas=formulas, budget=budget
             )
         except VasoError:
             found = Trace(copy, reason=_DIFFERS)
             continue
-        if other.cut is not None and system.cut is None:
-            found = Trace(copy, reason=_TOO_LONG)
-        elif _behave_alike(system, other):
-            steps = None if other.cut is None else other.cut.depth
-            return Trace(copy, _reached(other), steps)
-        else:
-            found = Trace(copy, reason=_DIFFERS)
+        found = _compared(system, other, copy)
+        if not found.reason:
+            break
     return found
+
+
+def _compared(system: TransitionSystem, other: TransitionSystem, copy: Instrumented) -> Trace:
+    """What an automaton of the copy shows about the plan."""
+    if other.cut is not None and system.cut is None:
+        return Trace(copy, reason=_TOO_LONG)
+    if not _behave_alike(system, other):
+        return Trace(copy, reason=_DIFFERS)
+    return Trace(copy, _reached(other), other.cut.depth if other.cut else None)
 
 
 def functions_of(skill: Skill, robot: Platform) -> set[str]:
