@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from vaso.errors import VasoError
 from vaso.ltl import Formula, parse_with_warnings
 from vaso.memo.recall import CHECK_SECONDS
 from vaso.memo.store import Memo, default_memo
@@ -75,7 +76,7 @@ def verify_many(
     Raises:
         VasoError: There is no such skill, platform, verifier or executor; a spec does not parse.
     """
-    _require_usable(platform, specs, verifier)
+    _require_usable(platform, specs, verifier, timeout)
     options = {
         "platform": platform,
         "specs": tuple(specs),
@@ -105,7 +106,10 @@ def _require_usable(
     platform: str | Path | Platform | None,
     specs: Sequence[str | Formula | Rule],
     verifier: str | Verifier | None,
+    timeout: float | None,
 ) -> None:
+    if timeout is not None and not timeout > 0:
+        raise VasoError(f"no plan is decided in {timeout} s", expected="a positive number, or None")
     if platform is not None:
         get_platform(platform)
     get_verifier(verifier)

@@ -10,7 +10,7 @@ from typing import Any
 from vaso.memo.sources import code_digest
 from vaso.parallel.crew import Crew
 from vaso.parallel.entries import Entry
-from vaso.parallel.job import Job, Outcome, pack, perform
+from vaso.parallel.job import Job, Outcome, perform
 from vaso.parallel.results import PlanResult
 from vaso.parallel.scheduler import Done, Scheduler
 from vaso.verdict import VerificationResult
@@ -70,8 +70,8 @@ class Run:
         if not groups:
             return
         assert self.crew is not None
-        packed = [(n, pack(self._job(indices))) for n, indices in enumerate(groups)]
-        scheduler = Scheduler(self.crew, packed, self.timeout)
+        jobs = [(number, self._job(indices)) for number, indices in enumerate(groups)]
+        scheduler = Scheduler(self.crew, jobs, self.timeout)
         scheduler.start()
         try:
             while (done := self._next(scheduler)) is not None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from vaso.errors import VerifierError
 from vaso.parallel.crew import Crew, Event, Lost
-from vaso.parallel.job import Outcome, code_of, unpack
+from vaso.parallel.job import Job, Outcome, code_of, pack, unpack
 
 __all__ = ["Done", "Scheduler"]
 
@@ -29,7 +29,7 @@ class _Task:
     """A job that is waiting or under way."""
 
     number: int
-    job: bytes
+    job: Job
     attempts: int = 0
 
 
@@ -68,14 +68,14 @@ class Scheduler(threading.Thread):
 
     Args:
         crew: The workers.
-        jobs: Place in the batch and content of each job.
+        jobs: Place in the batch of each job, and the job.
         timeout: Seconds for a job; its worker is killed then. None waits for ever.
 
     Attributes:
         ready: What is over, as :class:`Done`; an exception that ends everything; None at the end.
     """
 
-    def __init__(self, crew: Crew, jobs: Iterable[tuple[int, bytes]], timeout: float | None):
+    def __init__(self, crew: Crew, jobs: Iterable[tuple[int, Job]], timeout: float | None):
         super().__init__(name="vaso-batch", daemon=True)
         self.ready: queue.SimpleQueue[Done | BaseException | None] = queue.SimpleQueue()
         self._crew, self._timeout = crew, timeout
@@ -120,7 +120,7 @@ class Scheduler(threading.Thread):
         seat.task, seat.jobs = task, seat.jobs + 1
         limit = float("inf") if self._timeout is None else self._timeout
         seat.deadline = time.monotonic() + limit
-        self._crew.send(seat.worker, task.job)
+        self._crew.send(seat.worker, pack(task.job))
 
     # --- what comes back -----------------------------------------------------------------------
 
