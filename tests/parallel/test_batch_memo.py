@@ -42,7 +42,7 @@ def test_the_same_plan_twice_is_verified_once(drive, memo):
 def test_what_ran_out_of_time_is_tried_again(drive, memo):
     bounds = Budget(states=10**6, seconds=100)
     for _ in range(2):
-        (found,) = verify_many([SLOW], drive, memo=memo, timeout=2, budget=bounds).collect()
+        (found,) = verify_many([SLOW], drive, memo=memo, timeout=1, budget=bounds).collect()
         assert "time-out" in found.problem.message and not found.from_memo
     assert memo.info().entries == 0
 
