@@ -13,6 +13,7 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
+from vaso.cli.bench_formulas import formulas
 from vaso.cli.benching import FOLDER, many, run_all
 from vaso.cli.common import JsonOption, console
 from vaso.cli.evidence import evidence, fuzz, mutation
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 app = typer.Typer(help="Measure on this machine; every number in the documentation is made here.")
 
+app.command()(formulas)
 app.command()(evidence)
 app.command()(fuzz)
 app.command()(mutation)
