@@ -19,6 +19,8 @@ __all__ = ["draw"]
 
 MARKS, DASHES = "os^D", ("-", (0, (6, 2)), (0, (2, 2)), "-.")
 SECONDS = "time in seconds"
+GOAL = 2000
+"""Transitions a second that exploration is meant to reach."""
 
 
 def draw(suite: Suite, folder: Path) -> list[Path]:
@@ -52,6 +54,7 @@ def _scaling(figure: Any, suite: Suite) -> Any:
     for axes, (name, points) in zip(panels, suite.scaling.items(), strict=True):
         _lines(axes, points, suite.limit)
         axes.set(xlabel=units[name], xscale="log", yscale="log")
+        _plain_numbers(axes.yaxis)
         _plain_ticks(axes.xaxis, sorted({p.x for p in points}))
         axes.grid(alpha=0.25)
     panels[0].set_ylabel(SECONDS)
@@ -71,6 +74,7 @@ def _satisfiability(figure: Any, suite: Suite) -> Any:
         moved = [Point(p.series, places[p.what], p.seconds) for p in chosen]
         _lines(axes, moved, suite.limit)
         axes.set(yscale="log", title=f"Sets of rules, {title}")
+        _plain_numbers(axes.yaxis)
         labels = ["\n".join(re.findall(r"\d+", what)) for what in places]
         axes.set_xticks(list(places.values()), labels)
         axes.set_xlabel("rules (above), propositions (below)")
@@ -90,7 +94,9 @@ def _exploration(figure: Any, suite: Suite) -> Any:
         "o",
         color=SERIES_LIGHT[0],
     )
-    axes.axhline(2000, color=SERIES_LIGHT[1], linestyle=DASHES[1], linewidth=1)
+    goal = {"color": SERIES_LIGHT[1], "linestyle": DASHES[1], "linewidth": 1}
+    axes.axhline(GOAL, **goal, label=f"{GOAL:,} a second")
+    axes.legend(frameon=False)
     axes.set(
         xscale="log",
         xlabel="transitions of the plan",
@@ -98,6 +104,7 @@ def _exploration(figure: Any, suite: Suite) -> Any:
         title="Exploration, one mark a plan",
     )
     axes.set_ylim(bottom=0)
+    _plain_numbers(axes.xaxis)
     axes.grid(alpha=0.25)
     return picture
 
@@ -115,6 +122,7 @@ def _many(figure: Any, suite: Suite) -> Any:
             label=_pass_label(found),
         )
     axes.set(xscale="log", xlabel=SECONDS, ylabel="plans done", title="Many plans")
+    _plain_numbers(axes.xaxis)
     axes.grid(alpha=0.25)
     axes.legend(frameon=False)
     return picture
@@ -138,6 +146,12 @@ def _lines(axes: Any, points: Sequence[Point], limit: float) -> None:
             told = f"{series}: over {limit:g} s"
             places = [limit] * len(late)
             axes.plot(late, places, "x", color=colour, markersize=8, label=told)
+
+
+def _plain_numbers(axis: Any) -> None:
+    """0.01, 0.1, 1, 10 along a logarithmic axis."""
+    ticker = importlib.import_module("matplotlib.ticker")
+    axis.set_major_formatter(ticker.FuncFormatter(lambda x, _: f"{x:,g}"))
 
 
 def _plain_ticks(axis: Any, places: Sequence[float]) -> None:
