@@ -398,8 +398,10 @@ def compare_with_cpython(block):
     plan = "\n".join([*HELPER, "x = 0", *block, "stop()", ""])
     ran, complete = lines_in_cpython(plan)
     found = coverage(plan)
-    assert not set(found.never) & ran, plan
     assert not set(coverage(plan, seconds=0.0).executed) - set(found.executed), plan
+    if found.steps is not None:  # out of time
+        return
+    assert not set(found.never) & ran, plan
     if complete and not found.unknown:
         heads = {n for n, line in enumerate(plan.splitlines(), 1) if "except" in line}
         assert set(found.executed) == ran - heads, plan  # CPython counts `except` as a line
@@ -412,6 +414,7 @@ def test_the_lines_are_those_that_run_in_cpython(block):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1200)
 @settings(max_examples=300, deadline=None)
 @given(_blocks)
 def test_the_lines_are_those_that_run_in_cpython_often(block):
