@@ -354,6 +354,11 @@ def test_a_damaged_rule_with_a_remark_does_not_become_text(broken: str) -> None:
     assert "rule cannot be read" in error.message and error.line == 5
 
 
+def test_a_backtick_in_a_comment_does_not_swallow_the_rule_below_it() -> None:
+    skill = with_rules("```ltl\n# don`t run into people\nG(people_observed -> X stop)\n```")
+    assert [r.text for r in skill.global_rules] == ["G(people_observed -> X stop)"]
+
+
 def test_a_fence_may_hold_the_rules_of_several_roles() -> None:
     fence = "```\n=====Jackal=====\n# Global Contract\n1. G a\n\n# Local Contract\n4. F b\n```"
     skill = with_rules(fence)

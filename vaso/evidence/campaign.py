@@ -76,6 +76,7 @@ class Tally:
         """Plain data for ``--json``."""
         return {
             **{k: v for k, v in vars(self).items() if k not in ("findings", "verdicts")},
+            "verdicts": dict(sorted(self.verdicts.items())),
             "findings": [
                 {"seed": f.seed, "test": f.test, "message": f.message, "plan": f.plan}
                 for f in self.findings

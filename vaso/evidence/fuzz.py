@@ -10,6 +10,7 @@ import ast
 import random as random_module
 import time
 import traceback
+import warnings
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -150,7 +151,9 @@ def attempt(case: Case, found: Fuzzed) -> None:
     """Try one input, and note what came of it."""
     started = time.perf_counter()
     try:
-        outcome, wrong = _TARGETS[case.kind](case.text)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # Python's own, about the text of a plan
+            outcome, wrong = _TARGETS[case.kind](case.text)
     except VasoError as error:
         outcome, wrong = "refused", _bad_message(error)
     except Exception:

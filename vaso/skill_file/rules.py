@@ -113,6 +113,8 @@ def _joined(lines: Iterable[Text]) -> Iterator[Text]:
 def _continues(before: str, line: str) -> bool:
     if not before.strip() or not line.strip() or _BULLET.match(line) or len(before) > MAX_LINE:
         return False
+    if _COMMENT.match(before):
+        return False  # a stray backtick in a comment must not swallow the rule below it
     if before.count("`") % 2 and "```" not in before:
         return True
     if _BULLET.match(before) and line[:2].isspace():
