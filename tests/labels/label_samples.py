@@ -80,6 +80,44 @@ def turn_right():
 """
 """A Jackal's labels, right, and written unlike those that ship."""
 
+OPTIONAL_JACKAL = """
+import math
+
+state = {"speed": 0.0}
+
+def people_observed() -> bool:
+    return yolo_listener("people") is True
+
+def speed() -> float:
+    return state["speed"]
+
+def _send(linear=0.0, angular=0.0):
+    state["speed"] = math.fabs(linear)
+    velocity_publisher(linear=linear, angular=angular)
+
+def forward(speed: float = 0.3) -> None:
+    _send(linear=speed)
+
+def stop() -> None:
+    _send()
+
+def turn_left(rate=0.5) -> None:
+    _send(angular=rate)
+
+def turn_right(rate=0.5) -> None:
+    _send(angular=-rate)
+
+def pause():
+    time.sleep(1.0)
+
+def nudge(duration: float = 0.5):
+    start = time.time()
+    while time.time() - start < duration:
+        forward()
+    stop()
+"""
+"""Functions with optional arguments, sleeps and the clock."""
+
 OTHER_DRONE = """
 from math import sqrt
 

@@ -91,6 +91,7 @@ def test_an_optimizer_gets_the_feedback_and_puts_the_label_right():
     assert "people_observed: the code says" in result.steps[0].gradient
 
 
+@pytest.mark.slow
 def test_a_model_gets_the_feedback():
     from vaso.modules import EditModel
 

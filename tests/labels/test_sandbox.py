@@ -101,7 +101,7 @@ def test_trials_and_exploration_agree(name):
                 moments, explored(skill, robot, trial, len(moments)), strict=True
             ):
                 assert str(moment.issued) == command, trial
-                for label, says, _ in judge._all(trial, moment, truth(moment.world)):
+                for label, says, _ in judge._all(moment, truth(moment.world)):
                     if not isinstance(says, str):
                         assert labels[label] == pytest.approx(says, abs=1e-6), (label, trial)
 

@@ -48,7 +48,11 @@ def mutants(skill):
 
 @pytest.mark.parametrize(
     "skill",
-    [DRIVE, SQUARE, with_labels(SQUARE, TRUE_NORM)],
+    [
+        DRIVE,
+        pytest.param(SQUARE, marks=pytest.mark.slow),
+        pytest.param(with_labels(SQUARE, TRUE_NORM), marks=pytest.mark.slow),
+    ],
     ids=["drive", "square", "paper"],
 )
 def test_what_is_proved_of_a_mutant_is_true_in_every_run(skill):

@@ -9,7 +9,7 @@ from typing import Any
 from vaso.labels.exclusion import overlapping
 from vaso.labels.functions import Functions
 from vaso.labels.result import Said
-from vaso.labels.trial import Call, Moment, Trial
+from vaso.labels.trial import Moment
 from vaso.labels.truth import Rules, is_true, same, sensor_domain
 from vaso.plan.config import Origin
 from vaso.plan.transition_system import Label
@@ -64,31 +64,23 @@ class Judge:
     def __init__(self, platform: Platform, functions: Functions) -> None:
         self.platform, self.functions = platform, functions
 
-    def __call__(self, trial: Trial, moments: Sequence[Moment]) -> Verdict:
+    def __call__(self, moments: Sequence[Moment]) -> Verdict:
         """Compare one run."""
         verdict = Verdict()
         for moment in moments:
             truth: dict[str, Label] = self.platform.dynamics.truth(moment.world)
-            for name, says, has in self._all(trial, moment, truth):
+            for name, says, has in self._all(moment, truth):
                 verdict.compared.add(name)
                 if says != has:
                     verdict.differences.append(Difference(name, says, has, moment))
         return verdict
 
-    def _all(
-        self, trial: Trial, moment: Moment, truth: dict[str, Label]
-    ) -> Iterator[tuple[str, Said, Label]]:
+    def _all(self, moment: Moment, truth: dict[str, Label]) -> Iterator[tuple[str, Said, Label]]:
         """(proposition, label, truth) for all that can be compared; equal ones are equal here."""
-        if not self._has_arguments(trial, moment):
+        if not moment.given:  # arguments decide which action it is
             yield from self._actions(moment, truth)
         yield from self._numbers(moment, truth)
         yield from self._observations(moment)
-
-    def _has_arguments(self, trial: Trial, moment: Moment) -> bool:
-        """True after a call that the plan gave arguments: they decide which action it is."""
-        operation = trial.operations[moment.operation] if moment.operation >= 0 else None
-        called = isinstance(operation, Call) and bool(operation.args)
-        return called and moment.origin is Origin.API
 
     def _actions(
         self, moment: Moment, truth: dict[str, Label]

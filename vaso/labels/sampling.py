@@ -88,7 +88,7 @@ def sample(
             found.cut = True
             break
         for trial, moments in zip(trials, sandbox.run(trials), strict=True):
-            verdict = judge(trial, moments)
+            verdict = judge(moments)
             for name in verdict.compared:
                 own = [d for d in verdict.differences if d.name == name]
                 found.samples.setdefault(name, Sample()).note(trial, own, rules)

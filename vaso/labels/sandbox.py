@@ -130,7 +130,7 @@ class Sandbox:
     def _moments(self, trial: Trial, answer: Sequence[Mapping[str, Any]]) -> Iterator[Moment]:
         platform = self.platform
         issued, world = platform.rest, platform.dynamics.initial()
-        origin, api = Origin.REST, ""
+        origin, api, given = Origin.REST, "", False
         for index, told in enumerate(answer):
             number = told["op"]
             operation = trial.operations[number] if number >= 0 else None
@@ -140,6 +140,8 @@ class Sandbox:
                 if command is None:
                     return
                 issued, (origin, api) = command, self._origin(operation)
+                called = isinstance(operation, Call) and bool(operation.args)
+                given = called and origin is Origin.API
             elif isinstance(operation, Call):
                 api = operation.name
             if index:
@@ -149,7 +151,7 @@ class Sandbox:
             for read in reads.values():
                 self._note_keys(read)
             senses = trial.senses[min(index, len(trial.senses) - 1)]
-            yield Moment(index, number, issued, origin, api, world, values, reads, senses)
+            yield Moment(index, number, issued, origin, api, given, world, values, reads, senses)
 
     def _issued(self, command: Sequence[Any]) -> Issued | None:
         """The command; None for one that the platform refuses, with which a run ends."""

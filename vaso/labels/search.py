@@ -99,7 +99,7 @@ class Search:
     def first(self, trial: Trial, wanted: Wanted) -> Difference | None:
         """The first difference of a kind in a trial."""
         for moments in self.sandbox.run([trial]):
-            return next((d for d in self.judge(trial, moments).differences if wanted(d)), None)
+            return next((d for d in self.judge(moments).differences if wanted(d)), None)
         return None
 
 

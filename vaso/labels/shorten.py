@@ -38,7 +38,7 @@ def shorten(
     for _ in range(ROUNDS):
         simpler = list(_simpler(trial))
         for other, moments in zip(simpler, sandbox.run(simpler), strict=True):
-            found = next((d for d in judge(other, moments).differences if wanted(d)), None)
+            found = next((d for d in judge(moments).differences if wanted(d)), None)
             if found is not None:
                 trial, difference = other, found
                 break

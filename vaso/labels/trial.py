@@ -46,7 +46,7 @@ class Hold:
     periods: int = 1
 
     def __str__(self) -> str:
-        return f"{self.periods} more periods"
+        return f"{self.periods} period{'' if self.periods == 1 else 's'} more"
 
 
 Operation: TypeAlias = Call | Send | Hold
@@ -70,6 +70,7 @@ class Moment:
         issued: The command in force.
         origin: How it was issued.
         api: The function that the plan called for it.
+        given: True where that function stands for an action and the plan gave it arguments.
         world: State of the platform's dynamics.
         values: What each function of a label says, or a list that tells what it did instead.
         reads: The sensor readings that each function looked at.
@@ -81,6 +82,7 @@ class Moment:
     issued: Issued
     origin: Origin
     api: str
+    given: bool
     world: Hashable
     values: Mapping[str, Any] = field(default_factory=dict)
     reads: Mapping[str, Senses] = field(default_factory=dict)

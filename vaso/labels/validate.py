@@ -205,7 +205,7 @@ class _Validation:
         ).samples
         found = {n: one.example for n, one in samples.items() if one.example is not None}
         for trial, moments in zip(proofs.suspects, sandbox.run(proofs.suspects), strict=True):
-            for difference in judge(trial, moments).differences:
+            for difference in judge(moments).differences:
                 found.setdefault(difference.name, (trial, difference))
         search = Search(sandbox, space, judge, self.seed)
         while further := self._find(search, names - found.keys()):
