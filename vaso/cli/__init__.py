@@ -12,6 +12,7 @@ import json
 import logging
 import os
 import sys
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -74,12 +75,14 @@ def _keep_dspy_s_cache_with_ours() -> None:
 
 @contextlib.contextmanager
 def _hushed() -> Iterator[None]:
-    """Keep from the terminal what dspy logs about replies, such as that one was cut off."""
+    """Keep from the terminal what dspy logs about replies, and what Python thinks of a plan's text."""
     log = logging.getLogger("dspy.clients.lm")
     level = log.level
     log.setLevel(logging.ERROR)
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", SyntaxWarning)
+            yield
     finally:
         log.setLevel(level)
 
