@@ -14,10 +14,10 @@ import sys
 import types
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from typing import Any
 
 from vaso.evidence.fingerprint import fingerprint
+from vaso.evidence.functions import compiled, functions_of, sent_commands
 from vaso.plan.transition_system import Label, Scalar
 from vaso.platforms import Issued, Platform, get_platform
 from vaso.skill import Skill
@@ -89,9 +89,9 @@ class _Run:
 
     def run(self, plan: str) -> list[Sample]:
         names = self._namespace()
-        exec(_compiled(self.skill.labelling_code), names)
-        self._functions = _functions(names)
-        self._sends = _sent(self.skill.labelling_code, self.skill.platform)
+        exec(compiled(self.skill.labelling_code), names)
+        self._functions = functions_of(names)
+        self._sends = sent_commands(self.skill.labelling_code, self.skill.platform)
         names |= {n: self._outermost(n, f) for n, f in self._functions.items()}
         self._names = names
         self._place(self.platform.rest)
@@ -290,36 +290,3 @@ class _Run:
             run()
         finally:
             sys.settrace(before)
-
-
-@cache
-def _compiled(code: str) -> types.CodeType:
-    return compile(code, "<labelling code>", "exec")
-
-
-@cache
-def _sent(code: str, platform: str) -> Mapping[str, Issued | None]:
-    """For each function of the labelling code, the one command that it sends, if it does."""
-    robot, sent = get_platform(platform), list[Issued]()
-    names: dict[str, Any] = {"math": math}
-    for command in robot.commands:
-        names[command.name] = lambda *a, c=command, **k: sent.append(c.issue(a, k))
-    for sensor in robot.sensors:
-        names[sensor.name] = lambda *_, **__: False
-    exec(_compiled(code), names)
-    found: dict[str, Issued | None] = {}
-    for name, function in _functions(names).items():
-        sent.clear()
-        if not inspect.signature(function).parameters:
-            function()
-        found[name] = sent[0] if len(sent) == 1 else None
-    return found
-
-
-def _functions(names: Mapping[str, Any]) -> dict[str, Callable[..., Any]]:
-    code = "<labelling code>"
-    return {
-        n: f
-        for n, f in names.items()
-        if isinstance(f, types.FunctionType) and f.__code__.co_filename == code
-    }
