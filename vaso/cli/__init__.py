@@ -75,7 +75,7 @@ def _keep_dspy_s_cache_with_ours() -> None:
 
 @contextlib.contextmanager
 def _hushed() -> Iterator[None]:
-    """Keep from the terminal what dspy logs about replies, and what Python thinks of a plan's text."""
+    """Keep off the terminal what dspy logs, and what Python thinks of a plan's text."""
     log = logging.getLogger("dspy.clients.lm")
     level = log.level
     log.setLevel(logging.ERROR)
