@@ -9,10 +9,10 @@ from typing import Any
 
 import z3
 
-from vaso.labels.symbolic import mathematics
 from vaso.labels.symbolic.history import History, Tail
 from vaso.labels.symbolic.mathematics import MATH, binary, negative
 from vaso.labels.symbolic.paths import Path
+from vaso.labels.symbolic.standard import CALLABLE
 from vaso.labels.symbolic.values import (
     Bound,
     Class,
@@ -291,8 +291,8 @@ class Expressions(ABC):
             return function.call(args, kwargs)
         if isinstance(function, Class):
             return self._make(function, args, kwargs)
-        if isinstance(function, str) and function in _BUILT_IN:
-            return _BUILT_IN[function](self, *args, **kwargs)
+        if isinstance(function, str) and function in CALLABLE:
+            return CALLABLE[function](self, *args, **kwargs)
         raise NotUnderstoodError("a call of something that is no function")
 
     def _make(self, kind: Class, args: list[Value], kwargs: dict[str, Value]) -> Record:
@@ -331,86 +331,3 @@ class Expressions(ABC):
         self.locals.clear()
         self.locals.update(before)
         return found
-
-
-# -- built-in functions ----------------------------------------------------------------------------
-
-
-def _length(run: Expressions, value: Value) -> Value:
-    if isinstance(value, History):
-        return value.length
-    if isinstance(value, list | tuple | str | dict):
-        return len(value)
-    raise NotUnderstoodError("the length of something that is not known")
-
-
-def _extreme(op: ast.cmpop) -> Callable[..., Value]:
-    def of(run: Expressions, *values: Value) -> Value:
-        parts = run.items(values[0]) if len(values) == 1 else list(values)
-        return mathematics.extreme(op, parts)
-
-    return of
-
-
-def _all(run: Expressions, values: Value) -> Value:
-    return all(run.path.decide(run.truth(v)) for v in run.items(values))
-
-
-def _any(run: Expressions, values: Value) -> Value:
-    return any(run.path.decide(run.truth(v)) for v in run.items(values))
-
-
-def _is_instance(run: Expressions, value: Value, kind: Value) -> Value:
-    kinds = kind if isinstance(kind, tuple) else (kind,)
-    if isinstance(value, z3.BoolRef):
-        return "bool" in kinds or "int" in kinds
-    if is_term(value):
-        if "float" in kinds:
-            return True
-        raise NotUnderstoodError("whether a number is whole")
-    names = [c.__name__ for c in type(value).__mro__]
-    if isinstance(value, Record):
-        names = [value.kind.name]
-    if any(not isinstance(k, str) and not isinstance(k, Class) for k in kinds):
-        raise NotUnderstoodError("isinstance with an unusual class")
-    return any((k.name if isinstance(k, Class) else k) in names for k in kinds)
-
-
-def _float(run: Expressions, value: Value) -> Value:
-    return real(value) if is_term(value) else mathematics.call_plain(float, [value])
-
-
-def _plain(function: Any) -> Callable[..., Value]:
-    return lambda run, *args: mathematics.call_plain(function, args)
-
-
-def _range(run: Expressions, *bounds: Value) -> Value:
-    if any(type(b) is not int for b in bounds):
-        raise NotUnderstoodError("a range that is not known")
-    return range(*bounds)
-
-
-_BUILT_IN: dict[str, Callable[..., Value]] = {
-    "abs": lambda run, value: mathematics.absolute(value),
-    "min": _extreme(ast.Lt()),
-    "max": _extreme(ast.Gt()),
-    "sum": lambda run, values, start=0: mathematics.total(values, run.path, start),
-    "len": _length,
-    "all": _all,
-    "any": _any,
-    "round": lambda run, *args, **kwargs: mathematics.rounded(*args, *kwargs.values()),
-    "pow": lambda run, base, exponent: binary(ast.Pow(), base, exponent, run.path),
-    "float": _float,
-    "int": _plain(int),
-    "bool": lambda run, value: run.truth(value),
-    "isinstance": _is_instance,
-    "range": _range,
-    "tuple": lambda run, values=(): tuple(run.items(values)),
-    "list": lambda run, values=(): run.items(values) if not isinstance(values, History) else values,
-    "zip": lambda run, *lists: [tuple(z) for z in zip(*map(run.items, lists), strict=False)],
-    "enumerate": lambda run, values, start=0: list(enumerate(run.items(values), start)),
-    "reversed": lambda run, values: run.items(values)[::-1],
-    "print": lambda run, *values, **_: None,
-}
-BUILT_IN = frozenset(_BUILT_IN) | {"str", "dict", "object"}
-"""Names that stand for themselves; a name that the code binds goes before."""

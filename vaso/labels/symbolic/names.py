@@ -12,8 +12,9 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from vaso.labels.symbolic.classes import class_of
-from vaso.labels.symbolic.expressions import BUILT_IN, Module
+from vaso.labels.symbolic.expressions import Module
 from vaso.labels.symbolic.history import Tail
+from vaso.labels.symbolic.standard import BUILT_IN
 from vaso.labels.symbolic.values import (
     Bound,
     Class,

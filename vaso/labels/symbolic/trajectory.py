@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import ast
 import random
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -21,10 +21,18 @@ import z3
 
 from vaso.labels.functions import Functions
 from vaso.labels.symbolic import Proofs
+from vaso.labels.symbolic.guesses import (
+    Guess,
+    Quantities,
+    all_guesses,
+    meaning,
+    of_point,
+    of_robot,
+    surely,
+)
 from vaso.labels.symbolic.history import History
 from vaso.labels.symbolic.interpreter import Interpreter
 from vaso.labels.symbolic.loops import Loop, Loops
-from vaso.labels.symbolic.mathematics import negative
 from vaso.labels.symbolic.models import assignment
 from vaso.labels.symbolic.names import issued_record
 from vaso.labels.symbolic.paths import Path, explore, holds, model_of
@@ -33,11 +41,10 @@ from vaso.labels.symbolic.values import (
     NotUnderstoodError,
     PythonError,
     Value,
-    compare,
     equal,
     is_term,
 )
-from vaso.labels.symbolic.world import World, parts
+from vaso.labels.symbolic.world import World
 from vaso.labels.trial import Send, Trial
 from vaso.platforms import Command, Platform
 
@@ -49,10 +56,6 @@ SIMULATED = 20
 """Set-points of the flight that tests guesses before the solver does."""
 LONGEST = 2
 """Set-points in a list for which a label that is not proved is suspected to be wrong."""
-
-Guess = tuple[str, str, str]
-"""(relation, one quantity, another): ``("==", "loop 5:4 z", "robot 0")``."""
-Quantities = dict[str, Value]
 
 
 def prove_trajectory(
@@ -108,7 +111,7 @@ class _Induction:
         found = [quantities for _, quantities in explore(self._at_rest, self.deadline)]
         if len(found) != 1 or found[0] is None:
             return False
-        self.guesses = [g for g in _guesses(found[0]) if _is_true(_fact(g, found[0]))]
+        self.guesses = [g for g in all_guesses(found[0]) if surely(meaning(g, found[0]))]
         self._simulate(found[0])
         return self._settle_guesses() and self._label_is_truth()
 
@@ -123,7 +126,7 @@ class _Induction:
         if truth is None or not holds(path, equal(label, truth)):
             return None
         self.loops = loops.found
-        return {**loops.after, **_robot(self.world.initial), **_point(rest)}
+        return {**loops.after, **of_robot(self.world.initial), **of_point(rest)}
 
     # -- guesses -----------------------------------------------------------------------------------
 
@@ -136,11 +139,11 @@ class _Induction:
             size = self.track.parameters[0].size or 0
             point = tuple(rng.randint(-16, 16) / 8 for _ in range(size))
             world = self._moved(path, world, point)
-            here = {**_robot(world), **_point(point)}
+            here = {**of_robot(world), **of_point(point)}
             for key, known in inside.items():
                 self._turn(path, self.loops[key], point, known)
                 here |= self.loops[key].quantities(known)
-            self.guesses = [g for g in self.guesses if _is_true(_fact(g, here))]
+            self.guesses = [g for g in self.guesses if surely(meaning(g, here))]
 
     def _settle_guesses(self) -> bool:
         """Keep the guesses that one more set-point preserves; False if time is up before."""
@@ -157,12 +160,12 @@ class _Induction:
         """The quantities after one more set-point, on any robot for which the guesses hold."""
         last, point = self._points(path)
         world = self.world.unknown(path)
-        before = {**_robot(world), **_point(last)}
+        before = {**of_robot(world), **of_point(last)}
         inside = {key: loop.anywhere(path) for key, loop in self.loops.items()}
         for key, known in inside.items():
             before |= self.loops[key].quantities(known)
         self._assume(path, before)
-        after = {**_robot(self._moved(path, world, point)), **_point(point)}
+        after = {**of_robot(self._moved(path, world, point)), **of_point(point)}
         for key, known in inside.items():
             loop = self.loops[key]
             self._turn(path, loop, point, known)
@@ -177,7 +180,7 @@ class _Induction:
 
     def _broken(self, path: Path, after: Quantities) -> set[Guess]:
         """Guesses that may not hold after one more set-point on a path."""
-        kept = {guess: _fact(guess, after) for guess in self.guesses}
+        kept = {guess: meaning(guess, after) for guess in self.guesses}
         dropped = {guess for guess, fact in kept.items() if not is_term(fact) and not fact}
         kept = {guess: fact for guess, fact in kept.items() if is_term(fact)}
         while kept:
@@ -198,7 +201,7 @@ class _Induction:
         """Assume the guesses about some quantities."""
         for guess in self.guesses:
             if guess[1] in known and guess[2] in known:
-                fact = _fact(guess, known)
+                fact = meaning(guess, known)
                 if is_term(fact):
                     path.conditions.append(fact)
 
@@ -217,8 +220,8 @@ class _Induction:
         count = path.fresh("count", "int")
         path.conditions.append(count >= 1)
         world = self.world.unknown(path)
-        last = self._remembered(_robot(world), last)
-        known = {**_robot(world), **_point(last)}
+        last = self._remembered(of_robot(world), last)
+        known = {**of_robot(world), **of_point(last)}
         self._assume(path, known)
         loops = Loops(self.loops, lambda more: self._assume(path, {**known, **more}))
         rest = self.platform.rest.arguments[0][1]
@@ -267,7 +270,7 @@ class _Induction:
     def _remembered(self, robot: Quantities, last: tuple[Any, ...]) -> tuple[Any, ...]:
         """The last set-point, where the robot's state has it; that spares the solver work."""
         same = {g[2]: robot[g[1]] for g in self.guesses if g[0] == "==" and g[1] in robot}
-        return tuple(same.get(name, part) for name, part in _point(last).items())
+        return tuple(same.get(name, part) for name, part in of_point(last).items())
 
     def _moved(self, path: Path, world: Value, point: Value) -> Value:
         issued = issued_record(self.track.name, {self.track.parameters[0].name: point})
@@ -279,41 +282,3 @@ def _flight(values: Sequence[Any], track: Command) -> Trial:
     size = track.parameters[0].size or 1
     points = [tuple(values[i : i + size]) for i in range(0, len(values), size)]
     return Trial(tuple(Send(track.issue((point,), {}), True) for point in points))
-
-
-def _robot(world: Value) -> Quantities:
-    return {f"robot {i}": part for i, part in enumerate(parts(world))}
-
-
-def _point(point: Value) -> Quantities:
-    return {f"last {i}": part for i, part in enumerate(point)}
-
-
-def _is_true(fact: Value) -> bool:
-    return fact is True or (is_term(fact) and z3.is_true(z3.simplify(fact)))
-
-
-def _guesses(base: Quantities) -> Iterator[Guess]:
-    """What may always hold between the variables of loops, the robot and the last set-point."""
-    numbers = [n for n, v in base.items() if not isinstance(v, bool)]
-    for number, one in enumerate(numbers):
-        if one.startswith("robot"):
-            yield ("0 <=", one, one)
-        for other in numbers[number + 1 :]:
-            if one.startswith("loop") or other.startswith(("robot", "last")):
-                yield ("==", one, other)
-                yield ("== -", one, other)
-            yield ("<=", one, other)
-            yield ("<=", other, one)
-
-
-def _fact(guess: Guess, known: Quantities) -> Value:
-    relation, one, other = guess[0], known[guess[1]], known[guess[2]]
-    match relation:
-        case "0 <=":
-            return compare(ast.LtE(), 0, one)
-        case "<=":
-            return compare(ast.LtE(), one, other)
-        case "== -":
-            return equal(one, negative(other))
-    return equal(one, other)
