@@ -17,6 +17,7 @@ from vaso.verification.queries import Checker, Query
 from vaso.verification.regardless import Passed
 from vaso.verification.vacuity import Vacuity, look_for_vacuity
 from vaso.verifiers import Answer, Verifier
+from vaso.verifiers.runs import violates
 
 __all__ = ["Finding", "Task"]
 
@@ -104,7 +105,10 @@ class Task:
 
     def _assume(self, failed: list[Finding]) -> None:
         """Check again what does not hold on its own, and find out which assumptions it needs."""
-        possible = self._are_possible()
+        open_ = [f for f in failed if not self._fails_under_assumptions(f)]
+        # A violating run that keeps the assumptions shows that they can be kept.
+        possible = len(open_) < len(failed) or self._are_possible()
+        failed = open_
         for finding, answer in self._under(failed, [self.assumptions] * len(failed)):
             if answer.verdict is Verdict.PASS and not possible:
                 answer = replace(answer, verdict=Verdict.UNKNOWN, reason=_NOT_SHOWN)
@@ -114,6 +118,14 @@ class Task:
                 finding.take(answer)
         for rule in self.assumptions:
             self._try_without(rule, [f for f in failed if len(f.needed) > 1])
+
+    def _fails_under_assumptions(self, finding: Finding) -> bool:
+        """True when the run that is known violates the rule and keeps the assumptions as well."""
+        lasso = finding.answer.lasso
+        if lasso is None or self.checker.is_cut:
+            return False
+        asked = finding.query(self.assumptions).under_assumptions(finding.formula)
+        return violates(self.system, lasso, asked)
 
     def _try_without(self, rule: Rule, findings: list[Finding]) -> None:
         fewer = [tuple(r for r in f.needed if r is not rule) for f in findings]
