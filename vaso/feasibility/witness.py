@@ -47,12 +47,12 @@ class Witness:
         """Both behaviours at once, for propositions that they do not share.
 
         Returns:
-            The combination, or None if its loop would be too long to be of use to a reader.
+            The combination, or None if it would be much longer than both and of no use to a reader.
         """
         start = max(self.loop_start, other.loop_start)
         loops = (len(w.steps) - w.loop_start for w in (self, other))
         end = start + math.lcm(*loops)
-        if end > MAX_STEPS:
+        if end > max(MAX_STEPS, 2 * len(self.steps), 2 * len(other.steps)):
             return None
         return Witness(tuple({**self.at(i), **other.at(i)} for i in range(end)), start)
 

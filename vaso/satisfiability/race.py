@@ -32,7 +32,8 @@ from vaso.verifiers import _pynusmv_pool
 
 __all__ = ["Rival"]
 
-_HEAD_START = 1.5  # seconds that the search has for itself
+_HEAD_START = 1.5  # seconds of processor time that the search has for itself
+_LATEST = 1 / 3  # of the time limit, where the machine is busy with other things
 _LARGEST = 20_000  # nodes; beyond that NuSMV does not get anywhere in the time that people wait
 _DEEPEST = 500  # operators inside one another; NuSMV recurses
 _MEMORY_MB = 2_048
@@ -48,8 +49,9 @@ class Rival:
 
     def __init__(self, formulas: Sequence[Formula], seconds: float) -> None:
         self._formulas = formulas
-        self._began = time.monotonic()
-        self._deadline = self._began + seconds
+        self._began = time.thread_time()
+        self._deadline = time.monotonic() + seconds
+        self._latest = time.monotonic() + seconds * _LATEST
         self._thread: threading.Thread | None = None
         self._worker: _pynusmv_pool.Worker | None = None
         self._cancelled = False
@@ -59,7 +61,8 @@ class Rival:
 
     def has_won(self) -> bool:
         """Tell whether it knows the answer; start it when it is time to."""
-        if self._thread is None and time.monotonic() - self._began > _HEAD_START:
+        used = time.thread_time() - self._began
+        if self._thread is None and (used > _HEAD_START or time.monotonic() > self._latest):
             self._thread = threading.Thread(target=self._run, daemon=True)
             self._thread.start()
         return self.sat is False or self.lasso is not None
