@@ -101,3 +101,19 @@ def test_strange_formulas_never_give_a_traceback(vaso, formula):
     assert found.code in (0, 2, 3)
     assert len(found.lines) == 1
     assert "Traceback" not in found.err
+
+
+def test_formulas_of_benchmark_collections_are_read(vaso, tmp_path):
+    published = "( G  (((p) =>  ( X  ( ~  (q)))) & ( ~  (( ~  ( False )) U  (r)))))"
+    until = "(" * 1_500 + "p0" + "".join(f" U p{i})" for i in range(1_500))
+    file = tmp_path / "formulas"
+    file.write_text(f"{published}\n{until}\n{'X ' * 3_000} (p & !p)\n")
+    found = vaso("sat", "--json", "--file", file)
+    assert [o["sat"] for o in found.lines] == [True, True, False]
+
+
+def test_a_set_of_rules_that_no_model_checker_likes(vaso):
+    links = [f"F G(a{i} <-> a{i + 1})" for i in range(60)]
+    found = vaso("sat", "--json", "--together", "--core", "F G(a60 <-> !a0)", "G F b", *links)
+    assert found.lines[0]["sat"] is False
+    assert len(found.lines[0]["core"]) == 61

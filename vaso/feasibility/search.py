@@ -16,6 +16,7 @@ from vaso.verifiers.engine import SMVEngine
 __all__ = ["Core", "Outcome", "Search"]
 
 MAX_ROUNDS = 200
+_SHARE = 0.2  # of the time left, for one question about a part of a conflict
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +72,12 @@ class Search:
         self._engine = engine
         self._known: dict[frozenset[Formula], Outcome] = {}
 
-    def decide(self, formulas: Sequence[Formula]) -> Outcome:
+    def decide(self, formulas: Sequence[Formula], *, share: float = 1.0) -> Outcome:
         """Decide whether some behaviour satisfies all the formulas.
+
+        Args:
+            formulas: The formulas.
+            share: Part of the time left that this question may take.
 
         Raises:
             FormulaError: A name is used both as a truth value and as a number.
@@ -80,9 +85,10 @@ class Search:
         Universe.of(formulas, self._exclusions)
         pieces = [(i, p) for i, f in enumerate(formulas) for p in conjuncts(simplify(f))]
         universe = Universe.of([p for _, p in pieces], self._exclusions)
+        until = self._deadline - (1 - share) * max(0.0, self._deadline - time.monotonic())
         outcomes = []
         for group in components([p for _, p in pieces], universe):
-            outcome = self._group([pieces[k][1] for k in group])
+            outcome = self._group([pieces[k][1] for k in group], until)
             if outcome.sat is False:
                 return replace(outcome, conflict=tuple(sorted({pieces[k][0] for k in group})))
             outcomes.append(outcome)
@@ -95,7 +101,9 @@ class Search:
         order: Iterable[int] = (),
         fixed: Sequence[Formula] = (),
     ) -> Core:
-        """Shrink a conflicting conjunction by leaving out one formula after the other.
+        """Shrink a conflicting conjunction by leaving out formulas, many at a time where possible.
+
+        The answer is that of leaving out one after the other.
 
         Args:
             formulas: Formulas that conflict, together with ``fixed``.
@@ -104,14 +112,19 @@ class Search:
         """
         kept = self._conflicting(formulas, list(range(len(formulas))), fixed)
         undecided = 0
-        for index in order:
-            if index not in kept:
+        pending = [list(order)]
+        while pending:
+            out = [i for i in pending.pop() if i in kept]
+            if not out:
                 continue
-            rest = [i for i in kept if i != index]
-            outcome = self.decide([*(formulas[i] for i in rest), *fixed])
+            rest = [i for i in kept if i not in out]
+            outcome = self.decide([*(formulas[i] for i in rest), *fixed], share=_SHARE)
             if outcome.sat is False:
                 kept = self._conflicting(formulas, rest, fixed)
-            undecided += outcome.sat is None
+            elif len(out) > 1:
+                pending += [out[len(out) // 2 :], out[: len(out) // 2]]
+            else:
+                undecided += outcome.sat is None
         reason = "the conflicting subset may not be the smallest: out of time" if undecided else ""
         return Core(tuple(kept), not undecided, reason)
 
@@ -121,25 +134,25 @@ class Search:
         outcome = self.decide([*(formulas[i] for i in kept), *fixed])
         return [kept[k] for k in outcome.conflict if k < len(kept)]
 
-    def _group(self, formulas: Sequence[Formula]) -> Outcome:
+    def _group(self, formulas: Sequence[Formula], until: float) -> Outcome:
         key = frozenset(formulas)
         if key not in self._known or self._known[key].sat is None:
-            self._known[key] = self._solve(formulas)
+            self._known[key] = self._solve(formulas, until)
         return self._known[key]
 
-    def _solve(self, formulas: Sequence[Formula]) -> Outcome:
+    def _solve(self, formulas: Sequence[Formula], until: float) -> Outcome:
         universe = Universe.of(formulas, self._exclusions)
         for _ in range(MAX_ROUNDS):
-            outcome, universe = self._attempt(universe, formulas)
+            outcome, universe = self._attempt(universe, formulas, until)
             if outcome is not None:
                 return outcome
         return Outcome(None, reason="the comparisons have too many combinations")
 
     def _attempt(
-        self, universe: Universe, formulas: Sequence[Formula]
+        self, universe: Universe, formulas: Sequence[Formula], until: float
     ) -> tuple[Outcome | None, Universe]:
         """Ask once; a behaviour with impossible numbers only refines the universe."""
-        left = self._deadline - time.monotonic()
+        left = until - time.monotonic()
         if left <= 0:
             return Outcome(None, reason="out of time"), universe
         answer = ask(universe, formulas, timeout=left, engine=self._engine)
