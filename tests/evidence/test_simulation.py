@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from vaso.evidence.clocks import random_clock_plan
@@ -36,6 +36,7 @@ def examples(count: int):
         max_examples=count,
         deadline=None,
         derandomize=True,
+        phases=[Phase.generate, Phase.shrink],  # explaining traces lines, as the comparison does
         suppress_health_check=list(HealthCheck),
     )
 

@@ -221,7 +221,7 @@ def advance(s):
     return State.DRIVE""",
         ("machine['state'] = advance(machine['state'])", "advance(State.HALT)"),
         ("machine['state'] is State.DRIVE", "machine['state'] != State.HALT",
-         "machine['state'].name == 'HALT'", "isinstance(machine['state'], State)"),
+         "machine['state'].name == 'HALT'",),
     ),
     Feature(
         "own exception",
