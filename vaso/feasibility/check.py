@@ -45,7 +45,7 @@ def check(
         skill: The skill.
         platform: Its platform, if not the one that the skill names.
         timeout: Seconds for the whole check. What is not decided by then counts as not feasible.
-        engine: The model checker; PyNuSMV by default.
+        engine: A model checker that decides instead of VASO's own procedure.
         realizable: Whether to check level (c); by default where the extra is installed and the
             other levels hold.
 

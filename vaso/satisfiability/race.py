@@ -37,6 +37,7 @@ _LATEST = 1 / 3  # of the time limit, where the machine is busy with other thing
 _LARGEST = 20_000  # nodes; beyond that NuSMV does not get anywhere in the time that people wait
 _DEEPEST = 500  # operators inside one another; NuSMV recurses
 _MEMORY_MB = 2_048
+_PATIENCE = 0.5  # seconds
 
 
 class Rival:
@@ -75,7 +76,8 @@ class Rival:
                 with contextlib.suppress(ProcessLookupError):
                     os.killpg(self._worker.pid, signal.SIGKILL)
         if self._thread is not None:
-            self._thread.join()
+            # A process that is just starting is ended by the thread, as soon as it is there.
+            self._thread.join(_PATIENCE)
 
     def _run(self) -> None:
         if sum(map(size, self._formulas)) > _LARGEST or max(map(depth, self._formulas)) > _DEEPEST:
