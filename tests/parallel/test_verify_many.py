@@ -32,7 +32,7 @@ def told(data):
 @pytest.mark.parametrize("executor", ["processes", "serial"])
 def test_the_same_as_one_after_the_other(drive, executor):
     found = verify_many(PLANS, drive, executor=executor, workers=2, memo=False).collect()
-    alone = [verify(drive, plan) for plan in PLANS]
+    alone = [verify(drive, plan, between=False) for plan in PLANS]
     assert [told(result.to_json()) for result in found] == [told(r.to_json()) for r in alone]
     assert [str(result.verdict) for result in found] == VERDICTS
     assert not descendants() or not workers()

@@ -39,7 +39,7 @@ def verify_many(
     verifier: str | Verifier | None = None,
     budget: Budget | None = None,
     counterexamples: bool = True,
-    between: bool = True,
+    between: bool = False,
     coverage: float = 0.0,
 ) -> Batch:
     """Verify many plans, several at a time.
@@ -66,7 +66,8 @@ def verify_many(
         verifier: The verifier.
         budget: Bounds of the exploration.
         counterexamples: Whether to compute counterexamples.
-        between: Whether to bound numbers between samples as well.
+        between: Whether to bound numbers between samples as well. It takes as long as checking the
+            rules, so many plans go without, other than a single one.
         coverage: Seconds for finding out which lines run.
 
     Returns:

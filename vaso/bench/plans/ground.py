@@ -155,7 +155,7 @@ def aside(rng: random.Random) -> str:
     """Turn away from what is in the way for a while, then go on."""
     side, away = rng.choice(("left", "right")), rng.choice((3, 5, 8))
     return (
-        f"{remark(rng)}remaining = {periods(rng.choice((0.5, 1.0, 1.5, 2.0)))}\navoid = 0\n"
+        f"{remark(rng)}remaining = {periods(rng.choice((0.5, 0.8, 1.0, 1.5)))}\navoid = 0\n"
         "while True:\n    if people_observed():\n        stop()\n"
         f"    elif obstacle_observed():\n        turn_{side}()\n        avoid = {away}\n"
         f"    elif avoid > 0:\n        turn_{side}()\n        avoid -= 1\n"

@@ -27,7 +27,7 @@ def remark(rng: random.Random) -> str:
 
 def metres(rng: random.Random) -> float:
     """A distance as people ask for it."""
-    return rng.choice((0.5, 1.0, 1.5, 2.0, 2.0, 3.0, 3.0, 4.0, 5.0)) + rng.choice((0, 0, 0.3))
+    return rng.choice((0.5, 1.0, 1.0, 1.5, 2.0, 2.0, 2.5, 3.0)) + rng.choice((0, 0, 0.2))
 
 
 def periods(distance_m: float) -> int:
