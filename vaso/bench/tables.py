@@ -78,6 +78,7 @@ def _many(passes: Iterable[Pass]) -> str:
             f"{p.plans:,}",
             f"{p.rules:,}",
             f"{p.workers}",
+            f"{p.known:,}",
             f"{p.seconds:.1f} s" if p.seconds >= 10 else f"{p.seconds:.2f} s",
             "-" if p.cpu is None else f"{p.cpu:.1f} s",
             f"{p.states:,}",
@@ -86,7 +87,8 @@ def _many(passes: Iterable[Pass]) -> str:
         ]
         for p in passes
     ]
-    head = ["pass", "plans", "rules", "workers", "time", "CPU", "states", "transitions", "verdicts"]
+    head = ["pass", "plans", "rules", "workers", "known", "time", "CPU"]
+    head += ["states", "transitions", "verdicts"]
     return _table(head, rows)
 
 

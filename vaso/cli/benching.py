@@ -76,5 +76,5 @@ def many(
     for result in found:
         verdicts = ", ".join(f"{n} {v}" for v, n in sorted(result.verdicts.items()))
         cpu = "" if result.cpu is None else f", {result.cpu:.1f} s of processor time"
-        with_workers = f" with {result.workers} workers" if result.name == "cold" else ""
-        out.print(f"{result.name:5} {result.seconds:7.2f} s{with_workers}{cpu}   {verdicts}")
+        how = f"{result.workers} workers" if result.name == "cold" else f"{result.known} known"
+        out.print(f"{result.name:5} {result.seconds:7.2f} s, {how}{cpu}   {verdicts}")
