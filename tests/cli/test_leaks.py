@@ -59,10 +59,13 @@ def test_an_optimizer_leaves_nothing_behind_but_the_cache(name, tmp_path):
     assert [p.name for p in (places["home"] / ".cache").iterdir()] == ["vaso"]
 
 
-def test_without_a_model_nothing_is_left_behind_at_all(tmp_path):
+def test_without_a_model_only_verdicts_are_left_behind(tmp_path):
     found, places = run(tmp_path, "http://127.0.0.1:9/v1", "optimize", "drive", "--json")
     assert (found.returncode, found.stderr) == (0, "")
-    assert [files(place) for place in places.values()] == [[], [], []]
+    assert files(places["work"]) == files(places["temporary"]) == []
+    kept = files(places["home"])
+    assert kept[:3] == [".cache", ".cache/vaso", ".cache/vaso/verdicts"]
+    assert all(name.startswith(".cache/vaso/verdicts/") for name in kept[3:])
 
 
 HOME = "/home/someone/.cache/vaso/dspy"

@@ -30,7 +30,7 @@ def test_what_no_plan_can_keep_is_shown_as_a_table(tmp_path: Path) -> None:
                  "F(obstacle_observed & !people_observed)", "G F !people_observed"):  # fmt: skip
         assert said in " ".join(done.output.split()), said
     checked = run("check", str(file), "--timeout", "60")
-    assert checked.exit_code == 1 and "INFEASIBLE" in checked.output
+    assert checked.exit_code == 1 and "UNREALIZABLE" in checked.output
     data = json.loads(run("check", str(file), "--json", "--timeout", "60").output)
     assert data["realizable"]["core"][1] == {"spec": RULE_5, "role": "local"}
 
