@@ -147,9 +147,7 @@ def _grammar(compare_readings: bool) -> lark.Lark:
     )
 
 
-def _parse_tokens(
-    text: str, tokens: Sequence[Token], *, compare_readings: bool = False
-) -> Part:
+def _parse_tokens(text: str, tokens: Sequence[Token], *, compare_readings: bool = False) -> Part:
     if not tokens:
         raise Problem(
             "the formula is empty", 0, expected="a formula such as G(people_observed -> X stop)"
