@@ -1,7 +1,9 @@
 """``vaso bench``: everything is measured, written down, and drawn."""
 
 import json
+import subprocess
 import sys
+import time
 from dataclasses import replace
 
 import pytest
@@ -116,3 +118,17 @@ def test_the_command_many(capsys):
     assert vaso(["bench", "many", "--plans", "4", "--workers", "1", "--json"]) == 0
     cold, memo = json.loads(capsys.readouterr().out)["passes"]
     assert (cold["plans"], cold["workers"], memo["plans"]) == (4, 1, 4)
+
+
+def test_processor_time_is_that_of_the_whole_tree():
+    from vaso.bench.cpu import cpu_seconds
+
+    busy = "import time\nend = time.process_time() + 0.5\nwhile time.process_time() < end: pass\n"
+    code = f"import subprocess, sys\nsubprocess.Popen([sys.executable, '-c', {busy!r}])\n{busy}"
+    program = subprocess.Popen([sys.executable, "-c", code + "sys.stdin.read()"], stdin=-1)
+    before, deadline, seen = sum(cpu_seconds().values()), time.monotonic() + 30, {}
+    while sum(seen.values()) < before + 0.9 and time.monotonic() < deadline:
+        seen.update(cpu_seconds())
+        time.sleep(0.05)
+    program.communicate()
+    assert before + 0.9 <= sum(seen.values()) < before + 3

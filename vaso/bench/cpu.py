@@ -9,10 +9,7 @@ __all__ = ["cpu_seconds"]
 
 
 def cpu_seconds() -> dict[int, float]:
-    """Seconds of each process of the tree below this one; empty where the system does not tell.
-
-    The time of children that have ended is in that of their parents.
-    """
+    """Seconds of each process of the tree below this one; empty where the system does not tell."""
     times: dict[int, float] = {}
     children: dict[int, list[int]] = {}
     for path in Path("/proc").glob("[0-9]*/stat"):
@@ -21,7 +18,7 @@ def cpu_seconds() -> dict[int, float]:
         except (OSError, IndexError):
             continue
         pid, parent = int(path.parent.name), int(fields[1])
-        times[pid] = sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
+        times[pid] = sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
         children.setdefault(parent, []).append(pid)
     found, todo = {}, [os.getpid()] if times else []
     while todo:

@@ -107,7 +107,8 @@ def _pass(
 class _Meter:
     """Processor time of this process and of those below it, looked at twice a second.
 
-    Workers are killed at the end of a batch, so their time is noted while they live.
+    Workers are killed at the end of a batch, so their time is noted while they live. What a process
+    does in its last half second is missed.
     """
 
     def __init__(self) -> None:
