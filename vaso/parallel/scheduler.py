@@ -19,6 +19,8 @@ __all__ = ["Done", "Scheduler"]
 ATTEMPTS = 2
 START_SECONDS = 300.0
 """For a worker to start; imports are slow on a loaded machine, and a cluster may have to grow."""
+FALSE_STARTS = 3
+"""So many workers in a row that are lost before they have said anything end the batch."""
 MOST_JOBS = 500
 """After so many jobs a worker is replaced, whatever it may have leaked."""
 _PATIENCE = 0.1
@@ -82,6 +84,7 @@ class Scheduler(threading.Thread):
         self._waiting = deque(_Task(number, job) for number, job in jobs)
         self._seats: list[_Seat] = []
         self._stopped = threading.Event()
+        self._false_starts = 0
 
     def stop(self) -> None:
         """Give up what is under way and what is waiting; return when every worker is gone."""
@@ -137,6 +140,7 @@ class Scheduler(threading.Thread):
             self._mourn(seat, event.reason)
         elif not seat.is_started:
             seat.is_started, seat.deadline = True, float("inf")
+            self._false_starts = 0
             seat.code = code_of(event.content)
         elif seat.task is not None:
             self._finish(seat.task, unpack(event.content), seat.code)
@@ -150,7 +154,9 @@ class Scheduler(threading.Thread):
     def _mourn(self, seat: _Seat, reason: str) -> None:
         self._dismiss(seat)
         if not seat.is_started:
-            raise VerifierError(f"a worker does not start: {reason}")
+            self._false_starts += 1
+            if self._false_starts >= FALSE_STARTS:
+                raise VerifierError(f"a worker does not start: {reason}")
         task = seat.task
         if task is None:
             return
