@@ -90,6 +90,14 @@ class VerifierError(VasoError, RuntimeError):
     """A verifier that is missing or cannot be started."""
 
 
+class RobotError(VasoError, RuntimeError):
+    """A robot that cannot be reached, refuses a command, or is no longer ours to command."""
+
+
+class StaleReadingError(RobotError):
+    """A sensor that has said nothing for too long. Nothing may be concluded from its last word."""
+
+
 class OptimizerError(VasoError, RuntimeError):
     """An optimizer that cannot be found, configured or resumed."""
 

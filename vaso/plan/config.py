@@ -105,6 +105,13 @@ class Config:
     note: str = ""
     settling: int = 0
 
+    def changed(self, changes: dict[str, Any]) -> Config:
+        """A copy with some fields changed (``replace`` would take five times as long)."""
+        copy = object.__new__(Config)
+        copy.__dict__.update(self.__dict__)
+        copy.__dict__.update(changes)
+        return copy
+
     def present(self, now: float, labels_read_clock: bool) -> tuple[Hashable, ...]:
         """Identity, apart from the set-points of the past.
 

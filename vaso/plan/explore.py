@@ -18,7 +18,7 @@ from typing import Any
 from vaso.ltl import Formula, propositions, variables
 from vaso.plan.abstraction import NotAnalysableError, Relevance, analyse
 from vaso.plan.config import ClockReadError, Config, Origin, Reader, Turn
-from vaso.plan.labelling import Labelling
+from vaso.plan.kept import borrow, give_back
 from vaso.plan.labels import Labeller
 from vaso.plan.machine import Machine
 from vaso.plan.model import Plan
@@ -97,7 +97,9 @@ class Session:
         self.robot = robot
         source = skill.source or f"{skill.name}: labelling code"
         # First only to learn which functions and constants there are; it starts no process.
-        draft = Labelling(skill.labelling_code, robot, name=source, line=skill.labelling_line)
+        draft = borrow(
+            skill.labelling_code, robot, rebinds={}, name=source, line=skill.labelling_line
+        )
         known = {
             *draft.functions,
             *(c.name for c in robot.commands),
@@ -118,13 +120,16 @@ class Session:
             constants=draft.constants,
             name=plan.name,
         )
-        self.labelling = Labelling(
-            skill.labelling_code,
-            robot,
-            rebinds=program.rebinds,
-            name=source,
-            line=skill.labelling_line,
-        )
+        self.labelling = draft
+        if program.rebinds:
+            give_back(draft)
+            self.labelling = borrow(
+                skill.labelling_code,
+                robot,
+                rebinds=program.rebinds,
+                name=source,
+                line=skill.labelling_line,
+            )
         self._texts = [program.prelude, program.text]
         self.machine = Machine(self._texts, relevance=_relevance(program.text, known))
         self.clock = program.uses_clock or self.labelling.uses_clock
@@ -142,7 +147,7 @@ class Session:
 
     def __exit__(self, *exc: object) -> None:
         self.machine.__exit__(*exc)
-        self.labelling.__exit__(*exc)
+        give_back(self.labelling)
 
 
 def _relevance(text: str, known: Collection[str]) -> Relevance | None:

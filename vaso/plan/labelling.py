@@ -16,7 +16,7 @@ from vaso.errors import LabellingError, PlanError
 from vaso.plan.config import ClockReadError
 from vaso.plan.machine import Call, Continuation, Lookup, Machine, Raised, Throw
 from vaso.plan.rewrite import round_prelude
-from vaso.plan.source import PRELUDE, locate, parse_python, uses_clock, without_aliases
+from vaso.plan.source import locate, parse_python, scope_prelude, uses_clock, without_aliases
 from vaso.plan.transition_system import Scalar
 from vaso.platforms import Issued, Platform
 
@@ -137,9 +137,10 @@ class Labelling:
         line: int = 1,
     ) -> None:
         self.platform = platform
-        self._code = code
-        self._name = name
-        self._offset = line - 1
+        self.code = code
+        self.name = name
+        self.line = line
+        self.rebinds = rebinds or {}
         try:
             tree = parse_python(code, name)
         except PlanError as error:
@@ -150,12 +151,12 @@ class Labelling:
         self.constants = _constants(tree)
         self.settings = {n for n in self.constants if n in _read_by_functions(tree)}
         self.acting = _acting(tree, {c.name for c in platform.commands})
-        self.uses_clock = uses_clock(tree)
+        self.uses_clock = self._mentions_clock = uses_clock(tree)
         self._machine = Machine(
             [
-                PRELUDE + round_prelude(tree),
+                f"pass\n{scope_prelude(tree)}{round_prelude(tree)}",
                 without_aliases(code, tree),
-                self._setup(rebinds or {}),
+                self._setup(self.rebinds),
                 _SERVE,
             ],
             recovery=_SERVE,
@@ -165,7 +166,22 @@ class Labelling:
         return self
 
     def __exit__(self, *exc: object) -> None:
-        self._machine.__exit__(*exc)
+        self.close()
+
+    def close(self) -> None:
+        """Let the sandbox process go; it can be used again all the same."""
+        self._machine.__exit__(None, None, None)
+        self.uses_clock = self._mentions_clock
+
+    @property
+    def answers(self) -> int:
+        """How many answers are remembered."""
+        return self._machine.answers
+
+    @property
+    def is_sound(self) -> bool:
+        """False once a limit on time or memory was met, or the sandbox was lost."""
+        return self._machine.is_sound
 
     def _setup(self, rebinds: Mapping[str, object]) -> str:
         sets = "".join(f"{name} = {value!r}\n" for name, value in rebinds.items())
@@ -195,8 +211,8 @@ class Labelling:
 
     def error(self, message: str, line: int | None) -> LabellingError:
         """An error that points into the skill file."""
-        at = None if line is None else line + self._offset
-        return LabellingError(message, source=self._name, line=at)
+        at = None if line is None else line + self.line - 1
+        return LabellingError(message, source=self.name, line=at)
 
     def request(
         self,
@@ -245,7 +261,7 @@ class Labelling:
     def _threw(self, event: Raised, at: Continuation) -> Threw:
         if at.blob is None:
             raise self.error(f"{event.error}: {event.message}", event.line_in(CODE_FEED))
-        line = locate(self._code, event.message, event.line_in(CODE_FEED))
+        line = locate(self.code, event.message, event.line_in(CODE_FEED))
         return Threw(event.error, event.message, line, at)
 
     def _step(

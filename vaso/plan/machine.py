@@ -139,6 +139,9 @@ class Machine:
         texts: Python texts sharing one module namespace.
         recovery: Text that brings the program back to a stop after an uncaught exception.
         relevance: What matters of the last text's numbers, if that is known.
+
+    Attributes:
+        is_sound: False once a limit on time or memory was met, or the sandbox was lost.
     """
 
     def __init__(
@@ -156,6 +159,12 @@ class Machine:
         self._stack = ExitStack()
         self._live: tuple[bytes, Any] | None = None
         self._session: MontySession | None = None
+        self.is_sound = True
+
+    @property
+    def answers(self) -> int:
+        """How many replies have been tried."""
+        return len(self._memo)
 
     def __enter__(self) -> Machine:
         return self
@@ -267,12 +276,15 @@ class Machine:
             return run()
         except MontyCrashedError as crash:
             self._close()
+            self.is_sound = False
             return Raised("TimeoutError" if crash.timed_out else "SandboxCrash", str(crash))
         except MontyError as error:
             inner = error.exception()
             frames = error.traceback() if hasattr(error, "traceback") else []
             lines = tuple((_feed(f.filename), f.line) for f in frames)
-            return Raised(_error_name(error, inner), str(inner), lines)
+            raised = Raised(_error_name(error, inner), str(inner), lines)
+            self.is_sound &= not is_breakdown(raised.error, raised.message)
+            return raised
 
 
 def is_breakdown(error: str, message: str) -> bool:

@@ -96,7 +96,10 @@ class KeyMaker:
             body, view = [roots, [_raw(e) for e in heap["entries"]]], None
         else:
             view = self._view(call, snapshot, traversal, [*body[0], body[1], rest])
-        text = repr([body, rest, self._constant(snapshot)])
+        constant = self._constant(snapshot)
+        if view is not None:
+            return view.exact + constant, view
+        text = repr([body, rest, constant])
         return hashlib.blake2b(text.encode(), digest_size=16).digest(), view
 
     def _view(

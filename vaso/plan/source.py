@@ -17,6 +17,7 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from vaso.errors import PlanError, UnsupportedPlanError
+from vaso.plan.abstraction import FIRST_NAME
 from vaso.plan.differences import check_differences
 from vaso.plan.rewrite import (
     MARKER,
@@ -47,8 +48,8 @@ MODULES = frozenset(
 )  # fmt: skip
 """Modules that a plan may import."""
 
-PRELUDE = "import math\nimport time\n"
-"""Models use math and time without importing them; both are in scope."""
+IN_SCOPE = ("math", "time")
+"""Modules that models use without importing them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,7 @@ def prepare(
     if trajectory:
         edits += [*mark_edits(tree), *last_value_edits(tree, tail)]
         tail += collect_call(tree)
-    prelude = PRELUDE + (MARKER if trajectory else "")
+    prelude = f"{FIRST_NAME} = None\n" + scope_prelude(tree) + (MARKER if trajectory else "")
     prelude += enum_prelude(tree) + round_prelude(tree) + module_prelude(tree)
     body = apply_edits(source, edits).rstrip("\n")
     return Program(
@@ -185,6 +186,12 @@ def uses_clock(tree: ast.AST) -> bool:
     return False
 
 
+def scope_prelude(tree: ast.AST) -> str:
+    """Imports of the modules in scope that a program mentions; each is a part of every snapshot."""
+    used = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+    return "".join(f"import {module}\n" for module in IN_SCOPE if module in used)
+
+
 def without_aliases(source: str, tree: ast.AST) -> str:
     """The text with type aliases replaced by ``pass``."""
     return apply_edits(source, list(alias_edits(tree)))
@@ -226,7 +233,7 @@ def _imports_own_functions(node: ast.ImportFrom, known: Collection[str]) -> bool
 
 
 def _check_names(tree: ast.AST, name: str, known: Collection[str]) -> None:
-    defined = {*known, *_bound(tree), *dir(builtins), "__name__", "math", "time"}
+    defined = {*known, *_bound(tree), *dir(builtins), "__name__", *IN_SCOPE}
     for node in ast.walk(tree):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id not in defined:
             near = difflib.get_close_matches(node.id, sorted(defined), 1)

@@ -251,7 +251,8 @@ class Stepper:
         world = self.platform.dynamics.step(here.world, issued)
         history = self.histories.extend(here.history, issued)
         usual = {"tick": self._tick(here), "waits": 0, "moved": True, "note": ""}
-        return replace(here, issued=issued, world=world, history=history, **{**usual, **changes})
+        found = {"issued": issued, "world": world, "history": history}
+        return here.changed({**found, **usual, **changes})
 
     def _hold(self, here: Config, **changes: Any) -> Config:
         """The command in force stays in force for another period."""

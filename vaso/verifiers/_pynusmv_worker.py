@@ -32,7 +32,8 @@ import sys
 import time
 from typing import Any, NoReturn
 
-OPTIONS = ("set dynamic_reorder 1",)
+REORDER = "set dynamic_reorder 1"
+MANY_VARIABLES = 8  # with fewer, looking for a better order costs more than it saves
 STDERR_TAIL = 20_000
 PR_SET_PDEATHSIG = 1
 PAGE = os.sysconf("SC_PAGE_SIZE")
@@ -363,9 +364,6 @@ class NuSMV:
     def start(self) -> None:
         """Begin a session of NuSMV."""
         self.py.init.init_nusmv(collecting=False)
-        for option in OPTIONS:
-            if self.py.low_cmd.Cmd_SecureCommandExecute(option) != 0:
-                raise RuntimeError(f"NuSMV does not know: {option}")
 
     def restart(self) -> None:
         """Forget the model and everything about it."""
@@ -374,6 +372,8 @@ class NuSMV:
 
     def load(self, model: str) -> None:
         """Read and compile a model."""
+        if len(re.findall(r"^ *\w+ : (?:boolean|\d+\.\.)", model, re.MULTILINE)) > MANY_VARIABLES:
+            self.py.low_cmd.Cmd_SecureCommandExecute(REORDER)
         fd = os.memfd_create("model")
         write_all(fd, model.encode())
         try:

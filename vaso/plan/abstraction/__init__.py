@@ -16,9 +16,17 @@ infinitely many states, and finitely many that behave differently: only the valu
 Equality is that of real numbers: two clocks that differ by a shift are taken to round alike.
 """
 
-from vaso.plan.abstraction.layout import Snapshot
+from vaso.plan.abstraction.layout import FIRST_NAME, Snapshot
 from vaso.plan.abstraction.quotient import Quotient, View
 from vaso.plan.abstraction.relevance import Relevance, analyse
 from vaso.plan.abstraction.scopes import NotAnalysableError
 
-__all__ = ["NotAnalysableError", "Quotient", "Relevance", "Snapshot", "View", "analyse"]
+__all__ = [
+    "FIRST_NAME",
+    "NotAnalysableError",
+    "Quotient",
+    "Relevance",
+    "Snapshot",
+    "View",
+    "analyse",
+]

@@ -46,6 +46,10 @@ class Snapshot:
     order: Mapping[int, int]
 
 
+FIRST_NAME = "__vaso__"
+"""The first global of every plan, by which the numbering of texts is known."""
+
+
 class Layout:
     """Where the sandbox keeps the variables of a plan.
 
@@ -154,8 +158,7 @@ class _Names:
 
     def __init__(self, tables: Mapping[str, Any]) -> None:
         self._texts: list[str] = tables["interns"]["strings"]
-        # The prelude makes ``math`` the first global, whatever the numbering.
-        self._first = tables["global_names"]["slots"][0] - self._texts.index("math")
+        self._first = tables["global_names"]["slots"][0] - self._texts.index(FIRST_NAME)
 
     def of(self, number: int) -> str:
         """The text with a number."""

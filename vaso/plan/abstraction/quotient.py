@@ -28,10 +28,12 @@ class View:
         base: Everything but the plan's numbers.
         forms: For each form that matters: its value without the clock, its rate with the clock, and
             the constants that it is compared with.
+        exact: Identity of the snapshot itself: the base and all of the plan's numbers.
     """
 
     base: bytes
     forms: tuple[_Valued, ...]
+    exact: bytes
 
     def at(self, now: float) -> tuple[Hashable, ...]:
         """The identity at a time: equal identities behave alike from then on."""
@@ -86,7 +88,9 @@ class Quotient:
             if all(var[0] in running for var, _ in form):
                 alive.update(var for var, _ in form)
                 found += _valued(form, interval, cells)
-        return View(_base(snapshot, places, cells, alive), tuple(found))
+        base = _base(snapshot, places, cells, alive)
+        numbers = [None if _is_reference(cell) else cell for cell in cells.values()]
+        return View(base, tuple(found), _digest([base, numbers]))
 
 
 def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterator[_Valued]:
@@ -162,12 +166,20 @@ def _base(
         else:
             parts[where][index] = mark
     shape[0] = [kind, pending, parts, scheduler]
-    return hashlib.blake2b(repr(shape).encode(), digest_size=16).digest()
+    return _digest(shape)
+
+
+def _digest(items: Any) -> bytes:
+    return hashlib.blake2b(repr(items).encode(), digest_size=16).digest()
+
+
+def _is_reference(cell: Any) -> bool:
+    return isinstance(cell, dict) and "C" in cell
 
 
 def _mark(cell: Any, alive: bool) -> Any:
     """What stands for a variable's value; None where the value itself does."""
-    if isinstance(cell, dict) and "C" in cell:
+    if _is_reference(cell):
         return None
     if not alive:
         return _UNSEEN
