@@ -98,6 +98,10 @@ class StaleReadingError(RobotError):
     """A sensor that has said nothing for too long. Nothing may be concluded from its last word."""
 
 
+class SceneError(VasoError, ValueError):
+    """A scene of a simulator that cannot be read, or is impossible."""
+
+
 class OptimizerError(VasoError, RuntimeError):
     """An optimizer that cannot be found, configured or resumed."""
 
