@@ -198,6 +198,10 @@ class Machine:
             after = self._memo[memo] = self._resume(at, reply)
         return after
 
+    def forget(self) -> None:
+        """Forget the answers, for a program that runs once and never goes back."""
+        self._memo.clear()
+
     def _resume(self, at: Continuation, reply: Any) -> Continuation:
         result = self._guard(lambda: _answer(self._restore(at), reply))
         self._live = None
