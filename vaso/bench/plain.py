@@ -6,6 +6,8 @@ shows. Both load the model once and check formula after formula, as VASO does.
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import os
 import re
 import signal
@@ -26,6 +28,7 @@ from vaso.verifiers.nusmv_engine import find_program
 
 __all__ = ["PlainAnswer", "PlainNuSMV"]
 
+_PR_SET_PDEATHSIG = 1
 _VERDICT = re.compile(r"^-- (?:LTL )?specification .* is (true|false)", re.M)
 _SCRIPT = """\
 import sys
@@ -105,6 +108,7 @@ class PlainNuSMV:
                 stderr=subprocess.DEVNULL,
                 text=True,
                 start_new_session=True,
+                preexec_fn=_die_with_parent,
             )
             try:
                 said, _ = process.communicate(timeout=limit)
@@ -116,3 +120,9 @@ class PlainNuSMV:
             Path(file.name).unlink(missing_ok=True)
         verdicts = tuple(word == "true" for word in _VERDICT.findall(said))
         return PlainAnswer(time.perf_counter() - start, verdicts)
+
+
+def _die_with_parent() -> None:
+    """Linux ends the process when the benchmark is killed; elsewhere it may go on to its end."""
+    with contextlib.suppress(AttributeError, OSError):
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
