@@ -197,7 +197,10 @@ class DriverProcess:
         """The end of what the driver wrote to its terminal, which is usually an exception."""
         if self._process is None:
             return ": it was not started"
-        code = self._process.poll()
+        try:
+            code = self._process.wait(0.5)  # its sockets close before it can be waited for
+        except subprocess.TimeoutExpired:
+            code = 0
         self._errors.seek(max(0, self._errors.seek(0, os.SEEK_END) - 4000))
         lines = self._errors.read().decode(errors="replace").strip().splitlines()
         told = f": {lines[-1].strip()}" if lines else ""
