@@ -26,9 +26,9 @@ from vaso.ltl import (
     nnf,
     simplify,
 )
+from vaso.ltl.past import PastMemory, value_in
+from vaso.ltl.progression import DONE, LOST, Demand, Progression, demand, only
 from vaso.synthesis.fragment import is_guarantee, is_recurrence
-from vaso.synthesis.past import PastMemory, value_in
-from vaso.synthesis.progression import DONE, LOST, Demand, Progression, demand, only
 
 __all__ = ["Letter", "Monitor", "monitor"]
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 from vaso.errors import FormulaError
-from vaso.ltl import Binary, Constant, Formula, Unary
+from vaso.ltl.syntax import Binary, Constant, Formula, Unary
 from vaso.ltl.traverse import PAST_OPERATORS
 
 __all__ = ["DONE", "LOST", "Demand", "Progression", "both", "demand", "either", "only"]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from vaso.ltl import Atom, Binary, Constant, Formula, Unary
+from vaso.ltl.syntax import Atom, Binary, Constant, Formula, Unary
 from vaso.ltl.traverse import PAST_OPERATORS, fold, operands, subformulas
 
 __all__ = ["PastMemory", "value_in"]
