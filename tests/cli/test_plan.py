@@ -14,6 +14,26 @@ def test_json(vaso):
     assert 'TARGET = "backpack"' in found["plan"]
 
 
+def test_what_the_plan_has_nothing_of_is_said(vaso):
+    found = vaso("plan", "drive", "fly to the moon")
+    assert found.code == 0
+    compile(found.out, "plan", "exec")
+    assert 'not used of the task: "fly to the moon"' in found.err
+    assert "legs = [(3.0, 0.0)]" in found.err
+
+
+def test_a_task_that_is_used_whole_needs_no_word(vaso):
+    assert vaso("plan", "drive", "Go 2 meters, then turn right.").err == ""
+
+
+def test_places(vaso):
+    found = vaso("plan", "drive", "Go to the kitchen door", "--place", "kitchen door=3.5", "--json")
+    assert "legs = [(3.5, 0.0)]" in found.json["plan"]
+    assert found.json["unused"] == []
+    wrong = vaso("plan", "drive", "Go to the door", "--place", "door")
+    assert wrong.code == 2 and "doorway=4" in wrong.err
+
+
 def test_out(vaso, tmp_path):
     path = tmp_path / "sub" / "plan.py"
     found = vaso("plan", "drive", "go 2 meters", "--out", path)

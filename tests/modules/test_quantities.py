@@ -48,7 +48,7 @@ PROMPTS = {
     "Traverse a zig-zag route by alternating 45-degree left and right turns every 2 meters.": {
         "distance_m": 2,
         "turn_deg": 45,
-        "legs": [(2, 45), (2, -45)],
+        "legs": [(2, 45), (2, -45)] * 2,
     },
     # find-object
     "Search for a chair and stop once it is detected.": {"TARGET": "chair"},
@@ -143,6 +143,19 @@ def test_prompts_of_the_drone(prompt):
         ("turn 45 degrees to the right", {"turn_deg": -45.0}),
         ("advance 150 cm at 0.3 meters per second", {"distance_m": 1.5, "speed_mps": 0.3}),
         ("Drive 3 meters", {"distance_m": 3.0, "altitude_m": None, "turn_deg": None}),
+        ("Fly a 3 m square at 5 m and 0.6 m/s", {"side_m": 3, "altitude_m": 5, "speed_mps": 0.6}),
+        ("Fly a square, altitude: 6 m, side: 2 m", {"side_m": 2.0, "altitude_m": 6.0}),
+        ("Fly at 1.8 km/h in a 2-meter square, six meters high", {"speed_mps": 0.5, "side_m": 2.0}),
+        ("pausing at every corner for 2 seconds", {"pause_s": 2.0}),
+        ("2 m edges, 4 m above ground, at 50 cm/s", {"altitude_m": 4.0, "speed_mps": 0.5}),
+        ("no faster than 0.6 m/s", {"speed_mps": 0.6}),
+        ("Look around until you see a red ball", {"target": "red ball"}),
+        ("Search for chairs", {"target": "chair"}),
+        ("find people", {"target": "people"}),
+        ("Go find the nearest bottle and stop", {"target": "bottle"}),
+        ("Wait until further notice", {"target": None}),
+        ("Find out where the door is", {"target": None}),
+        ("move backward 2 meters", {"distance_m": None, "legs": ()}),
     ],
 )
 def test_other_wordings(prompt, expected):
@@ -153,6 +166,42 @@ def test_other_wordings(prompt, expected):
 @pytest.mark.parametrize("prompt", ["", "drive right away", "1", "m/s", "turn", "5 of 6"])
 def test_no_quantity_is_invented(prompt):
     assert read_quantities(prompt).constants() == {}
+
+
+@pytest.mark.parametrize(
+    ("prompt", "legs"),
+    [
+        ("Drive in a square of 2 meters.", [(2, 90)] * 4),
+        ("Drive around a square, clockwise, 2 meters on each side.", [(2, -90)] * 4),
+        ("Drive a triangle with side 2 m", [(2, 120)] * 3),
+        ("Make a 3 by 2 meter rectangle", [(3, 90), (2, 90)] * 2),
+        ("Follow an L shape with legs of 3 m and 2 m", [(3, 90), (2, 0)]),
+        ("zigzag, alternating 30 degree right and left turns every 2 m", [(2, -30), (2, 30)] * 2),
+        ("Go two meters, make a right turn of 45 degrees, then one more meter", [(2, -45), (1, 0)]),
+        ("Go forward 2 meters and turn left 90 degrees, four times", [(2, 90)] * 4),
+        ("make a u-turn and drive 3 meters", [(0, 180), (3, 0)]),
+        ("Drive 3 m, go 2 meters back", [(3, 0)]),
+    ],
+)
+def test_routes(prompt, legs):
+    assert read_quantities(prompt).legs == tuple(Leg(*leg) for leg in legs)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "legs"),
+    [
+        ("Go to the doorway, then turn left", [(4, 90)]),
+        ("Reach the Hallway  Entrance while avoiding chairs", [(3.5, 0)]),
+        ("Drive until you reach the doorway", [(4, 0)]),
+        ("Travel 2 meters and stop at the doorway", [(2, 0)]),
+        ("Travel 2 meters to the doorway", [(2, 0)]),
+        ("stop near the doorway", []),
+        ("go to the kitchen", []),
+    ],
+)
+def test_the_way_to_a_place_is_a_distance(prompt, legs):
+    places = {"doorway": 4.0, "hallway entrance": 3.5}
+    assert read_quantities(prompt, places).legs == tuple(Leg(*leg) for leg in legs)
 
 
 def test_three_distances_stay_three_legs():

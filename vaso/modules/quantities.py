@@ -1,20 +1,42 @@
 """Read the quantities of a task prompt: distances, turns, heights, speeds, pauses, the target.
 
-A small extractor without a language model. It scans the prompt once with one pattern per kind of
-phrase, the most specific first, so that "5 meters altitude" is a height and not a distance.
+A small extractor without a language model. It scans the prompt once for the phrases of
+:mod:`vaso.modules.phrases` and puts them together: a distance and the turn after it are one leg.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-WORDS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+from vaso.modules.phrases import ANGLE, MORE, NUMBER, UNITS, WORDS, Phrase, scan
+from vaso.modules.targets import find_target
+
 METRES = {"cm": 0.01, "centi": 0.01, "km": 1000.0, "kilo": 1000.0, "f": 0.3048}
 RIGHT_ANGLE = 90.0
 STRICT_MARGIN = 0.9
+SECONDS_PER_HOUR = 3600.0
+STROKES = 2
+"""How often a zig-zag route of alternating turns goes to and fro, where a prompt does not say."""
+MOST_LEGS = 1000
+
+CORNERS = {"triang": 3, "square": 4, "pentag": 5, "hexag": 6, "octag": 8}
+SHAPE = re.compile(r"\b(triang|square|pentag|hexag|octag)\w*", re.IGNORECASE)
+OBLONG = re.compile(r"\brectang\w*", re.IGNORECASE)
+L_SHAPE = re.compile(r"\bL[\s-]?shap\w*|\bthe shape of an L\b", re.IGNORECASE)
+ZIG_ZAG = re.compile(r"\bzig-?\s?zag\w*", re.IGNORECASE)
+TIMES = re.compile(
+    rf"\b(?P<twice>twice)\b|\b(?P<number>\d+|{'|'.join(WORDS)})\s+times\b", re.IGNORECASE
+)
+COUNTER = re.compile(r"\b(?:counter|anti)-?\s?clockwise\b", re.IGNORECASE)
+CLOCKWISE = re.compile(r"\bclockwise\b", re.IGNORECASE)
+RIGHT = re.compile(r"\bright\b", re.IGNORECASE)
+LEVEL = re.compile(r"\bat\s+$", re.IGNORECASE)
+FLIGHT = re.compile(r"\b(?:fl(?:y|ies|ying|ight)|hover\w*|drone|quad\w*copter)\b", re.IGNORECASE)
+
+MOVES = ("distance", "turn", "alternating", "around", "place")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,110 +92,119 @@ class Quantities:
         return named
 
 
-NUMBER = rf"(?<![\w.])(?:\d+(?:\.\d+)?|\.\d+|{'|'.join(WORDS)})"
-LENGTH = (
-    rf"{NUMBER}[\s-]*(?:met(?:er|re)s?|m|centimet(?:er|re)s?|cm|kilomet(?:er|re)s?|km|feet|foot|ft)"
-)
-LENGTH += r"\b(?!\s*(?:/|per\b))"
-SPEED = rf"{NUMBER}\s*(?:m/s|mps|(?:meters?|metres?|m)\s*(?:/|per)\s*(?:s|seconds?))\b"
-ANGLE = rf"{NUMBER}[\s-]*(?:degrees?|deg|°)"
-SECONDS = rf"{NUMBER}[\s-]*(?:seconds?|secs?|s)\b"
-SIDE = r"(?:to\s+(?:the|your)\s+)?(?:left|right|anti-?clockwise|counter-?\s?clockwise|clockwise)\b"
-TURN = r"\b(?:turn|rotat|pivot|spin|yaw)(?:e|s|es|ed|ing)?\b"
-PAUSE = r"\b(?:paus|wait|hover|hold|rest|stay)\w*"
-BELOW = r"\b(?:below|under|less than)\s+"
-
-PHRASES = {
-    "speed_below": rf"{BELOW}{SPEED}",
-    "speed": SPEED,
-    "height": rf"\b(?:altitude|height|climb\w*|ascend\w*|take\s?off)\s+"
-    rf"(?:(?:up|of|at|to)\s+)*{LENGTH}|{LENGTH}\s+(?:of\s+)?(?:altitude|height|(?:high|up|above)\b)",
-    "side": rf"\b(?:side|edge)s?(?:\s+lengths?)?\s+(?:of\s+)?{LENGTH}|\bwidth\s+(?:of\s+)?{LENGTH}"
-    rf"|{LENGTH}(?:\s+|-)(?:sides?|edges?|wide|squares?)\b|{LENGTH}\s*(?:x|×|by)\s*{LENGTH}",
-    "standoff": rf"{LENGTH}\s+(?:away|from)\b",
-    "pause": rf"{SECONDS}\s+(?:long\s+)?{PAUSE}|{PAUSE}\s+(?:\w+\s+){{0,3}}{SECONDS}",
-    "alternating": rf"{ANGLE}\s+(?P<first>left|right)\s+and\s+(?:left|right)\s+turns?",
-    "around": rf"{TURN}\s+(?:around|back)\b(?!\s+(?:the|an?)\b)|\bu-turn\b",
-    "turn": rf"{TURN}\s+{SIDE}(?:\s+(?:by\s+|through\s+)?{ANGLE})?|{ANGLE}\s+{SIDE}"
-    rf"|{TURN}\s+(?:by\s+|through\s+)?{ANGLE}(?:\s+{SIDE})?|\bleft\s+turn|\bright\s+turn",
-    "distance": LENGTH,
-}
-SCANNER = re.compile("|".join(f"(?P<{kind}>{p})" for kind, p in PHRASES.items()), re.IGNORECASE)
-
-_NOUN = r"(?:an?|the|any|some)\s+(?P<noun>[a-z][a-z -]*?)"
-_END = (
-    r"(?=\s+(?:and|or|near|next|by|is|are|was|while|when|where|in|on|at|until|that|which|then|once|"
-    r"positioned|located|appears?|comes|without|inside|behind|within|with)\b|\s*[.,;:!?]|\s*$)"
-)
-TARGET = re.compile(
-    rf"\b(?:(?:search|look|hunt)(?:ing)?\b[\w\s]*?\bfor|find|locate|detect|spot|until)\s+{_NOUN}{_END}",
-    re.IGNORECASE,
-)
-COUNTER = re.compile(r"\b(?:counter|anti)-?\s?clockwise\b", re.IGNORECASE)
-CLOCKWISE = re.compile(r"\bclockwise\b", re.IGNORECASE)
-SQUARE = re.compile(r"\bsquare\b", re.IGNORECASE)
-
-
-def read_quantities(prompt: str) -> Quantities:
+def read_quantities(prompt: str, places: Mapping[str, float] | None = None) -> Quantities:
     """Read the quantities of a prompt.
 
     Args:
         prompt: A task in plain English, such as "move forward 5 meters, then turn left".
+        places: Metres ahead of the robot to places that it may be sent to, by name: with
+            ``{"doorway": 4.0}``, "go to the doorway" is a distance of 4 m.
 
     Returns:
         Its quantities, in SI units and degrees.
     """
+    places = {name.lower(): metres for name, metres in (places or {}).items()}
     found: dict[str, float] = {}
     moves: list[Leg] = []
-    for kind, phrase in _phrases(prompt):
-        if kind in ("distance", "turn", "alternating", "around"):
-            moves += _moves(kind, phrase)
+    for phrase in phrases_of(prompt, places):
+        if phrase.kind == "backward":
+            continue
+        if phrase.kind in MOVES:
+            moves += _moves(phrase, places)
         else:
-            name, value = _quantity(kind, phrase)
+            name, value = _quantity(phrase)
             found.setdefault(name, value)
-    if SQUARE.search(prompt) and not moves and "side_m" in found:
-        moves = _square(found["side_m"], _sense(prompt))
+    moves = _shaped(prompt, moves, found)
     return Quantities(
         distance_m=next((m.distance_m for m in moves if m.distance_m), None),
         turn_deg=next((m.turn_deg for m in moves if m.turn_deg), None),
-        legs=tuple(_legs(moves)),
+        legs=tuple(_repeated(prompt, tuple(_legs(moves)))),
         clockwise=_sense(prompt),
-        target=_target(prompt),
+        target=find_target(prompt),
         **found,
     )
 
 
-def _phrases(prompt: str) -> Iterator[tuple[str, str]]:
-    for match in SCANNER.finditer(prompt):
-        kind = next(k for k in PHRASES if match.group(k) is not None)
-        yield kind, match.group(0).lower()
+def phrases_of(prompt: str, places: Mapping[str, float] | None = None) -> Iterator[Phrase]:
+    """The phrases that carry a quantity, each with what it means in this prompt.
+
+    "At 5 meters" is a height where the prompt is about a flight. The way to a place counts only
+    where the prompt does not say itself how far to go.
+    """
+    found = list(scan(prompt, places or {}))
+    told = any(p.kind == "distance" for p in found)
+    is_flight = FLIGHT.search(prompt) is not None
+    for phrase in found:
+        if phrase.kind == "place" and told:
+            continue
+        if phrase.kind == "distance" and is_flight and LEVEL.search(prompt[: phrase.start]):
+            phrase = phrase._replace(kind="height")
+        yield phrase
 
 
-def _moves(kind: str, phrase: str) -> list[Leg]:
-    if kind == "distance":
-        return [Leg(distance_m=_metres(phrase))]
-    if kind == "around":
-        return [Leg(turn_deg=2 * RIGHT_ANGLE)]
-    angle = _angle(phrase)
-    return [Leg(turn_deg=angle)] if kind == "turn" else [Leg(turn_deg=angle), Leg(turn_deg=-angle)]
+def _moves(phrase: Phrase, places: Mapping[str, float]) -> list[Leg]:
+    match phrase.kind:
+        case "distance":
+            return [Leg(distance_m=_metres(phrase.text))]
+        case "place":
+            return [Leg(distance_m=places[" ".join(phrase.place.split())])]
+        case "around":
+            return [Leg(turn_deg=2 * RIGHT_ANGLE)]
+    angle = _angle(phrase.text)
+    alternating = phrase.kind == "alternating"
+    return [Leg(turn_deg=angle), Leg(turn_deg=-angle)] if alternating else [Leg(turn_deg=angle)]
 
 
-def _quantity(kind: str, phrase: str) -> tuple[str, float]:
-    if kind in ("speed", "speed_below"):
-        speed = _number(phrase)
-        return "speed_mps", round(speed * STRICT_MARGIN, 3) if kind == "speed_below" else speed
-    if kind == "pause":
-        return "pause_s", _number(phrase)
-    return {"height": "altitude_m", "side": "side_m", "standoff": "standoff_m"}[kind], _metres(
-        phrase
-    )
+def _quantity(phrase: Phrase) -> tuple[str, float]:
+    if phrase.kind in ("speed", "speed_below"):
+        speed = _speed(phrase.text)
+        below = phrase.kind == "speed_below"
+        return "speed_mps", round(speed * STRICT_MARGIN, 3) if below else speed
+    if phrase.kind == "pause":
+        return "pause_s", _number(phrase.text)
+    names = {"height": "altitude_m", "side": "side_m", "sides": "side_m", "standoff": "standoff_m"}
+    return names[phrase.kind], _metres(phrase.text)
 
 
-def _legs(moves: list[Leg]) -> Iterator[Leg]:
+def _shaped(prompt: str, moves: list[Leg], found: dict[str, float]) -> list[Leg]:
+    """Give moves the shape that a prompt names: a square, an L, a zig-zag."""
+    turned = any(m.turn_deg for m in moves)
+    distances = [m.distance_m for m in moves if m.distance_m]
+    if (shape := SHAPE.search(prompt)) and not turned:
+        if "side_m" not in found and len(distances) == 1:
+            found["side_m"] = distances[0]
+        if "side_m" in found:
+            return _polygon(CORNERS[shape[1].lower()], found["side_m"], _sense(prompt))
+    if OBLONG.search(prompt) and not turned and len(sides := _sides(prompt, distances)) == 2:
+        found.pop("side_m", None)
+        turn = Leg(turn_deg=_corner(90.0, _sense(prompt)))
+        return [Leg(sides[0]), turn, Leg(sides[1]), turn] * 2
+    if L_SHAPE.search(prompt) and not turned and len(distances) == 2:
+        turn = Leg(turn_deg=_corner(90.0, bool(RIGHT.search(prompt))))
+        return [Leg(distances[0]), turn, Leg(distances[1])]
+    if ZIG_ZAG.search(prompt) and len(legs := list(_legs(moves))) == 2 and moves[-1].distance_m:
+        return [part for leg in legs for part in (Leg(leg.distance_m), Leg(0.0, leg.turn_deg))] * (
+            STROKES
+        )
+    return moves
+
+
+def _sides(prompt: str, distances: Sequence[float]) -> list[float]:
+    """The two sides of a rectangle: "3 m by 2 m", or two distances."""
+    for phrase in scan(prompt):
+        if phrase.kind == "sides":
+            first, second = re.findall(NUMBER, phrase.text)[:2]
+            scale = _metres(phrase.text) / _value(second) if _value(second) else 1.0
+            return [round(_value(side) * scale, 6) for side in (first, second)]
+    return list(distances)
+
+
+def _legs(moves: Sequence[Leg]) -> Iterator[Leg]:
     """Join each distance with the turn after it; alternating turns each get the distance."""
     turns = [m for m in moves if m.turn_deg]
-    if len(moves) == 3 and len(turns) == 2 and moves[2].distance_m:
-        yield from (Leg(moves[2].distance_m, t.turn_deg) for t in turns)
+    if len(moves) == 3 and len(turns) == 2 and not moves[1].distance_m:
+        distance = moves[0].distance_m + moves[2].distance_m
+        yield from (Leg(distance, turn.turn_deg) for turn in turns)
         return
     waiting: Leg | None = None
     for move in moves:
@@ -190,23 +221,52 @@ def _legs(moves: list[Leg]) -> Iterator[Leg]:
         yield waiting
 
 
-def _square(side: float, clockwise: bool | None) -> list[Leg]:
-    turn = Leg(turn_deg=-RIGHT_ANGLE if clockwise else RIGHT_ANGLE)
-    return [Leg(distance_m=side), turn] * 4
+def _repeated(prompt: str, legs: tuple[Leg, ...]) -> tuple[Leg, ...]:
+    """The legs as often as a prompt says: "twice", "four times"."""
+    match = TIMES.search(prompt)
+    if match is None:
+        return legs
+    times = 2 if match["twice"] else int(_value(match["number"].lower()))
+    return legs * times if 0 < times * len(legs) <= MOST_LEGS else legs
+
+
+def _polygon(corners: int, side: float, clockwise: bool | None) -> list[Leg]:
+    return [Leg(distance_m=side), Leg(turn_deg=_corner(360.0 / corners, clockwise))] * corners
+
+
+def _corner(degrees: float, clockwise: bool | None) -> float:
+    return -degrees if clockwise else degrees
 
 
 def _number(phrase: str) -> float:
     match = re.search(NUMBER, phrase)
     assert match is not None
-    text = match.group(0)
+    return _value(match.group(0))
+
+
+def _value(text: str) -> float:
     return float(WORDS.index(text)) if text in WORDS else float(text)
 
 
 def _metres(phrase: str) -> float:
-    unit = re.search(rf"{NUMBER}[\s-]*([a-z]+)", phrase)
-    assert unit is not None
-    scale = next((s for prefix, s in METRES.items() if unit.group(1).startswith(prefix)), 1.0)
-    return round(_number(phrase) * scale, 6)
+    match = re.search(rf"(?P<number>{NUMBER}){MORE}[\s-]*(?P<unit>{UNITS})\b", phrase)
+    assert match is not None
+    return round(_value(match["number"]) * _scale(match["unit"]), 6)
+
+
+def _scale(unit: str) -> float:
+    """Metres in one of a unit of length."""
+    return next((s for prefix, s in METRES.items() if unit.startswith(prefix)), 1.0)
+
+
+def _speed(phrase: str) -> float:
+    match = re.search(rf"(?P<number>{NUMBER})\s*(?P<unit>[a-z/\s]+)", phrase)
+    assert match is not None
+    unit = re.sub(r"\s+|per", "", match["unit"])
+    length = next((s for prefix, s in METRES.items() if unit.startswith(prefix)), 1.0)
+    length = METRES["km"] if unit.startswith("kp") else length
+    hourly = unit.endswith(("h", "hr", "hour", "hours"))
+    return round(_value(match["number"]) * length / (SECONDS_PER_HOUR if hourly else 1.0), 6)
 
 
 def _angle(phrase: str) -> float:
@@ -219,8 +279,3 @@ def _sense(prompt: str) -> bool | None:
     if COUNTER.search(prompt):
         return False
     return True if CLOCKWISE.search(prompt) else None
-
-
-def _target(prompt: str) -> str | None:
-    match = TARGET.search(prompt)
-    return match.group("noun").strip().lower() if match else None

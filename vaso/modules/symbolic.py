@@ -3,14 +3,36 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from vaso.modules.quantities import read_quantities
+from vaso.modules.leftover import left_out
+from vaso.modules.quantities import Quantities, read_quantities
 from vaso.plan.model import Plan
 from vaso.skill import Skill
 
 OBJECT = "TARGET"
+KNOWN = (set(Quantities.__dataclass_fields__) - {"target"}) | {OBJECT}
+"""The constants of templates that a prompt can give a value."""
+
+
+@dataclass(frozen=True)
+class Filling:
+    """A template that was filled in.
+
+    Attributes:
+        plan: The plan.
+        filled: The constants that the task gave a value, with it.
+        kept: The constants that the task could have given a value but does not speak of, with the
+            template's own value.
+        unused: The parts of the task that could not be used, as they stand in it.
+    """
+
+    plan: Plan
+    filled: Mapping[str, Any] = field(default_factory=dict)
+    kept: Mapping[str, Any] = field(default_factory=dict)
+    unused: tuple[str, ...] = ()
 
 
 class SymbolicPlanner:
@@ -22,6 +44,14 @@ class SymbolicPlanner:
     everything else, comments included, as it is.
     """
 
+    def __init__(self, *, places: Mapping[str, float] | None = None) -> None:
+        """Configure.
+
+        Args:
+            places: Metres ahead of the robot to places that tasks may send it to, by name.
+        """
+        self.places = dict(places or {})
+
     def __call__(self, skill: Skill, task: Any) -> Plan:
         """Write the plan for a task.
 
@@ -29,12 +59,24 @@ class SymbolicPlanner:
             skill: The skill whose template is instantiated.
             task: A prompt, or an object with an attribute ``prompt``.
         """
+        return self.fill(skill, task).plan
+
+    def fill(self, skill: Skill, task: Any) -> Filling:
+        """Write the plan for a task, and say what of the task went into it."""
         prompt = str(getattr(task, "prompt", task))
-        values = read_quantities(prompt).constants()
+        values = read_quantities(prompt, self.places).constants()
+        own = literals_of(skill.plan_template)
         source = instantiate(skill.plan_template, values)
+        filled = {name: value for name, value in values.items() if name in own}
         if OBJECT in values and _needs_object(skill):
             source = f"{OBJECT} = {_quote(values[OBJECT])}\n{source}"
-        return Plan(source=source, task=prompt)
+            filled[OBJECT] = values[OBJECT]
+        return Filling(
+            plan=Plan(source=source, task=prompt),
+            filled=filled,
+            kept={name: own[name] for name in own if name in KNOWN and name not in filled},
+            unused=left_out(prompt, skill, filled, self.places),
+        )
 
 
 class Literal(NamedTuple):
@@ -68,11 +110,16 @@ def instantiate(template: str, values: dict[str, Any]) -> str:
 
 def constants_of(code: str) -> set[str]:
     """Names of the top-level constants of a text whose values are literals."""
+    return set(literals_of(code))
+
+
+def literals_of(code: str) -> dict[str, Any]:
+    """The top-level constants of a text whose values are literals, with their values."""
     try:
         tree = ast.parse(code)
     except (SyntaxError, ValueError):
-        return set()
-    return {literal.name for literal in _literals(tree)}
+        return {}
+    return {literal.name: ast.literal_eval(literal.node) for literal in _literals(tree)}
 
 
 def _place(literal: Literal) -> tuple[int, int]:

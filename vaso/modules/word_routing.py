@@ -8,34 +8,18 @@ more of its quantities. Where that does not decide, nothing is guessed.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from vaso.errors import SkillError
 from vaso.modules.quantities import read_quantities
 from vaso.modules.symbolic import constants_of
+from vaso.modules.word_stems import stems
 from vaso.skill import Skill
 
 BETWEEN = re.compile(
     r"[,;.]?\s*\b(?:and\s+)?(?:then|after\s+that|afterwards|next|finally)\b[,\s]*|\s*;\s*|\.\s+",
     re.IGNORECASE,
 )
-WORD = re.compile(r"[a-z]+")
-ENDINGS = ("ing", "ed", "es", "s", "e")
-IGNORED = frozenset(
-    {
-        "a", "an", "and", "at", "by", "for", "from", "in", "into", "it", "its", "of", "on", "or",
-        "the", "them", "to", "until", "use", "while", "with", "your"
-    }
-)  # fmt: skip
-ALIKE = {
-    "around": "avoid", "past": "avoid", "bypass": "avoid", "dodge": "avoid",
-    "look": "find", "search": "find", "locate": "find", "detect": "find", "spot": "find",
-    "go": "move", "travel": "move", "drive": "move", "come": "move", "head": "move",
-    "continue": "move", "navigate": "move", "advance": "move",
-    "rotate": "turn", "left": "turn", "right": "turn", "degree": "angle",
-    "meter": "distance", "metre": "distance", "m": "distance",
-}  # fmt: skip
-"""Words of the language of motion that mean much the same."""
 
 
 def route_by_words(instruction: str, skills: Sequence[Skill]) -> list[tuple[str, str]]:
@@ -61,7 +45,7 @@ def route_by_words(instruction: str, skills: Sequence[Skill]) -> list[tuple[str,
 
 def _weights(skills: Sequence[Skill]) -> dict[str, dict[str, float]]:
     """For each skill its words, each with how much it tells: 1 over the skills that have it."""
-    words = {skill.name: set(_stems(f"{skill.name} {skill.description}")) for skill in skills}
+    words = {skill.name: set(stems(f"{skill.name} {skill.description}")) for skill in skills}
     counts: dict[str, int] = {}
     for word in (word for own in words.values() for word in own):
         counts[word] = counts.get(word, 0) + 1
@@ -71,7 +55,7 @@ def _weights(skills: Sequence[Skill]) -> dict[str, dict[str, float]]:
 def _fitting(
     clause: str, weights: Mapping[str, Mapping[str, float]], places: Mapping[str, set[str]]
 ) -> str:
-    said, wanted = set(_stems(clause)), _quantities(clause)
+    said, wanted = set(stems(clause)), _quantities(clause)
     ranks = {
         name: (round(sum(own.get(word, 0.0) for word in said), 9), len(wanted & places[name]))
         for name, own in weights.items()
@@ -98,20 +82,3 @@ def _places(template: str) -> set[str]:
     """The quantities that a template has a constant for; a route has distances and turns."""
     names = constants_of(template)
     return names | ({"distance_m", "turn_deg"} if "legs" in names else set())
-
-
-def _stems(text: str) -> Iterator[str]:
-    for word in WORD.findall(text.lower()):
-        if word not in IGNORED:
-            stem = _stem(word)
-            yield _STEMS.get(stem, stem)
-
-
-def _stem(word: str) -> str:
-    for ending in ENDINGS:
-        if word.endswith(ending) and len(word) - len(ending) >= 3:
-            return word.removesuffix(ending)
-    return word
-
-
-_STEMS = {_stem(word): _stem(same) for word, same in ALIKE.items()}
