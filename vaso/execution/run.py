@@ -20,7 +20,11 @@ from vaso.plan.transition_system import Label
 from vaso.platforms import Issued
 from vaso.skill import Skill
 
-__all__ = ["Guard", "Judged", "execute"]
+__all__ = ["INTERRUPTED", "Guard", "Judged", "execute"]
+
+
+INTERRUPTED = "interrupted by the user"
+"""Reason of an ending by Ctrl-C."""
 
 
 class Judged(Protocol):
@@ -129,7 +133,7 @@ class _Run:
             self.robot.start()
             ending = self._drive()
         except KeyboardInterrupt:
-            ending = Ending(outcome="stopped", reason="interrupted by the user")
+            ending = Ending(outcome="stopped", reason=INTERRUPTED)
         except VasoError as error:
             ending = Ending(outcome="aborted", reason=str(error))
         except BaseException as error:
