@@ -134,7 +134,7 @@ def test_the_driver_notices_what_happens_to_vaso(
 
 def test_a_side_that_does_not_read_does_not_block_the_other(echo: DriverProcess) -> None:
     """What nobody reads in time is dropped, answers too; then the link works as before."""
-    echo.send("flood", lines=20_000)
+    echo.send("flood", lines=5_000)
     for _ in range(30):
         try:
             assert echo.call("echo", PATIENCE / 30, value=3)["value"] == 3

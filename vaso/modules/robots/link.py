@@ -122,9 +122,12 @@ class Channel:
 
     def _fill(self) -> None:
         try:
-            while data := self._socket.recv(65536):
+            while len(self._in) < BACKLOG:
+                data = self._socket.recv(65536)
+                if not data:
+                    self.closed = True
+                    return
                 self._in += data
-            self.closed = True
         except BlockingIOError:
             return
         except OSError:
