@@ -1,12 +1,13 @@
 """Headless, seeded simulators of the shipped robots, and pictures of what they did."""
 
+from vaso.simulation.camera import Camera
+from vaso.simulation.detector import Detector
+from vaso.simulation.jackal import JackalSim
 from vaso.simulation.reading import load_scene
 from vaso.simulation.scene import (
     AirScene,
     AnyScene,
     Doorway,
-    Furniture,
-    Item,
     Person,
     Place,
     Room,
@@ -14,13 +15,22 @@ from vaso.simulation.scene import (
     Start,
     Wind,
 )
+from vaso.simulation.things import Furniture, Item
+from vaso.simulation.truth import FlightMoment, FlightTruth, GroundMoment, GroundTruth
 
 __all__ = [
     "AirScene",
     "AnyScene",
+    "Camera",
+    "Detector",
     "Doorway",
+    "FlightMoment",
+    "FlightTruth",
     "Furniture",
+    "GroundMoment",
+    "GroundTruth",
     "Item",
+    "JackalSim",
     "Person",
     "Place",
     "Room",

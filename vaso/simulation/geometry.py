@@ -31,20 +31,15 @@ def distance_to(segment: Segment, point: Point) -> float:
 
 def crosses(one: Segment, other: Segment) -> bool:
     """Whether two segments have a point in common (touching counts)."""
-    (a, b), (c, d) = one, other
-    first, second = side(a, b, c), side(a, b, d)
-    third, fourth = side(c, d, a), side(c, d, b)
-    if first * second < 0 and third * fourth < 0:
-        return True
-    return (
-        min(distance_to(one, c), distance_to(one, d), distance_to(other, a), distance_to(other, b))
-        < TINY
-    )
-
-
-def side(a: Point, b: Point, p: Point) -> float:
-    """Positive where p is to the left of the line from a to b."""
-    return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+    ((ax, ay), (bx, by)), ((cx, cy), (dx, dy)) = one, other
+    if max(ax, bx) < min(cx, dx) or max(cx, dx) < min(ax, bx):
+        return False
+    if max(ay, by) < min(cy, dy) or max(cy, dy) < min(ay, by):
+        return False
+    ux, uy, vx, vy = bx - ax, by - ay, dx - cx, dy - cy
+    if (ux * (cy - ay) - uy * (cx - ax)) * (ux * (dy - ay) - uy * (dx - ax)) > 0:
+        return False
+    return (vx * (ay - cy) - vy * (ax - cx)) * (vx * (by - cy) - vy * (bx - cx)) <= 0
 
 
 def edges(polygon: Sequence[Point]) -> tuple[Segment, ...]:
