@@ -149,9 +149,12 @@ def _lines(axes: Any, points: Sequence[Point], limit: float) -> None:
 
 
 def _plain_numbers(axis: Any) -> None:
-    """0.01, 0.1, 1, 10 along a logarithmic axis."""
+    """0.1, 0.2, 0.5, 1 along a logarithmic axis."""
     ticker = importlib.import_module("matplotlib.ticker")
     axis.set_major_formatter(ticker.FuncFormatter(lambda x, _: f"{x:,g}"))
+    if axis.get_scale() == "log":
+        few = ticker.FuncFormatter(lambda x, _: f"{x:,g}" if f"{x:e}"[0] in "25" else "")
+        axis.set_minor_formatter(few)
 
 
 def _plain_ticks(axis: Any, places: Sequence[float]) -> None:
