@@ -3,6 +3,8 @@
 from vaso.simulation.camera import Camera
 from vaso.simulation.detector import Detector
 from vaso.simulation.jackal import JackalSim
+from vaso.simulation.multirotor import Body
+from vaso.simulation.px4 import PX4Sim
 from vaso.simulation.reading import load_scene
 from vaso.simulation.scene import (
     AirScene,
@@ -21,6 +23,7 @@ from vaso.simulation.truth import FlightMoment, FlightTruth, GroundMoment, Groun
 __all__ = [
     "AirScene",
     "AnyScene",
+    "Body",
     "Camera",
     "Detector",
     "Doorway",
@@ -31,6 +34,7 @@ __all__ = [
     "GroundTruth",
     "Item",
     "JackalSim",
+    "PX4Sim",
     "Person",
     "Place",
     "Room",

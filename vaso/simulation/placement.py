@@ -6,7 +6,8 @@ from typing import TypeVar
 
 from vaso.simulation.chance import disc, stream
 from vaso.simulation.geometry import Point
-from vaso.simulation.scene import Furniture, Item, Person, Scene, Start
+from vaso.simulation.scene import Person, Scene, Start
+from vaso.simulation.things import Furniture, Item
 
 __all__ = ["place"]
 
