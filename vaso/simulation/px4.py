@@ -11,7 +11,7 @@ from vaso.platforms import Issued, get_platform
 from vaso.simulation.autopilot import ZERO, TakeOff, Tracker
 from vaso.simulation.multirotor import Body, Multirotor
 from vaso.simulation.scene import AirScene
-from vaso.simulation.truth import FlightMoment, FlightTruth
+from vaso.simulation.truth import FlightMoment, FlightTruth, Vector
 from vaso.simulation.wind import Gusts, settle
 
 __all__ = ["PX4Sim"]
@@ -60,6 +60,7 @@ class PX4Sim:
         self.body = body or Body.of(self.platform)
         self._ramped = take_off
         self._ready = self._closed = False
+        self._setpoint: Vector = ZERO
         self._reset()
 
     def connect(self) -> None:
@@ -100,7 +101,7 @@ class PX4Sim:
             raise RobotError(
                 f"the PX4 cannot follow {command}", expected="three finite numbers in m/s"
             )
-        after = (float(velocity[0]), float(velocity[1]), float(velocity[2]))
+        after: Vector = (float(velocity[0]), float(velocity[1]), float(velocity[2]))
         self._change = math.dist(after, self._setpoint)
         self._setpoint = after
 
@@ -185,7 +186,7 @@ class PX4Sim:
         ramp = TakeOff(self.body.lags[1]) if self._ramped else None
         self._vehicle = Multirotor(self.body, start, ramp)
         self._tracker = Tracker(start)
-        self._setpoint: Vector = ZERO
+        self._setpoint = ZERO
         self._change = self._change_seen = 0.0
         self._landing = False
         self._moments: list[FlightMoment] = []
