@@ -113,4 +113,5 @@ platform = Platform(
     exclusions=(ACTIONS,),
     dynamics=JackalDynamics(),
     response=RESPONSE,
+    accuracy={"speed": 0.02, "turn_rate": 0.05},
 )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
-from typing import Any, ClassVar, Literal, Protocol, TypeAlias
+from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
@@ -191,6 +191,10 @@ class Platform(BaseModel):
         previous_names: Parameter names that stand for the set-point before it.
         response: How set-points become motion between two samples; without one, nothing is said
             about what happens there.
+        safe: The command that a run-time shield sends instead of one that would break a rule, and
+            that may stay in force for ever; None for ``rest``.
+        accuracy: For numeric propositions: by how much a measured value may be off, in their unit,
+            errors of the response's model included. 0 where nothing is said.
     """
 
     model_config = ConfigDict(frozen=True, arbitrary_types_allowed=True)
@@ -208,11 +212,20 @@ class Platform(BaseModel):
     current_names: tuple[str, ...] = ()
     previous_names: tuple[str, ...] = ()
     response: Response | None = None
+    safe: Issued | None = None
+    accuracy: Mapping[str, Annotated[float, Field(ge=0, allow_inf_nan=False)]] = Field(
+        default_factory=dict
+    )
 
     registry: ClassVar[dict[str, str]] = {
         "jackal": "vaso.platforms.jackal",
         "px4": "vaso.platforms.px4",
     }
+
+    @property
+    def safe_command(self) -> Issued:
+        """What to send where nothing else may be sent."""
+        return self.safe or self.rest
 
     def command(self, name: str) -> Command | None:
         """The low-level command with this name, if there is one."""

@@ -93,6 +93,7 @@ platform = Platform(
     ),
     dynamics=Px4Dynamics(),
     response=RESPONSE,
+    accuracy={"altitude": 0.3, "max_altitude": 0.3, "linear_velocity": 0.1},
     trajectory="set_velocity",
     history_names=("plan", "trajectory", "traj", "vel_traj", "velocities", "history"),
     current_names=("v", "velocity", "current", "curr", "vel", "cmd"),

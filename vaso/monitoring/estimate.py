@@ -1,0 +1,196 @@
+"""What is known of the motion of a robot now, from its commands and its measurements.
+
+The response of the platform bounds the motion under the commands so far (:mod:`vaso.dynamics`);
+each measurement narrows the bounds down to its accuracy. Where a measurement contradicts them, the
+vehicle is none of the class that the platform describes, and the measurement is believed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TypeVar
+
+from vaso.dynamics.commands import setpoints_of
+from vaso.dynamics.interval import Interval, hull
+from vaso.dynamics.period import Box, Period, SetPoints, at_rest
+from vaso.dynamics.vehicles import whole
+from vaso.platforms import Channel, Greatest, Issued, Platform, Position, Response, Speed, Velocity
+
+__all__ = ["Estimate"]
+
+T = TypeVar("T")
+
+
+class Estimate:
+    """Bounds on the motion of a robot. Values; a step makes a new one.
+
+    Args:
+        platform: The platform, which has a response.
+        box: The bounds; by default those at rest.
+        before: The measurements before.
+    """
+
+    def __init__(
+        self,
+        platform: Platform,
+        box: Box | None = None,
+        before: Mapping[str, float] | None = None,
+    ) -> None:
+        assert platform.response is not None
+        self.platform = platform
+        self.response: Response = platform.response
+        self._constants = whole(self.response)
+        rest = setpoints_of(platform.rest, self.response)
+        assert rest is not None, "the response does not say what the rest command means"
+        self.box = box or at_rest(self.response, rest)
+        self._before = dict(before or {})
+
+    @staticmethod
+    def fits(platform: Platform) -> bool:
+        """Whether a platform's response says what its rest and safe commands mean."""
+        response = platform.response
+        return response is not None and all(
+            setpoints_of(c, response) is not None for c in (platform.rest, platform.safe_command)
+        )
+
+    def setpoints(self, command: Issued) -> SetPoints | None:
+        """The set-points of a command; None where the response does not know it."""
+        return setpoints_of(command, self.response)
+
+    def bounds(self, setpoints: SetPoints, begin: float, end: float) -> dict[str, Interval]:
+        """Every moving number between two times of the period that begins now."""
+        return self._period(setpoints).values(begin, end)
+
+    def after(self, setpoints: SetPoints, least: float, most: float) -> Estimate:
+        """The bounds after a period whose length is between two values."""
+        period = self._period(setpoints)
+        box = period.end(least)
+        box = box if least == most else box.joined(period.end(most))
+        return Estimate(self.platform, box, self._before)
+
+    def measured(self, values: Mapping[str, float], seconds: float) -> Estimate:
+        """The bounds with what was measured now.
+
+        Args:
+            values: Measured numbers by name; others than the response's are ignored.
+            seconds: How long the last period was.
+        """
+        known = {n: v for n, v in values.items() if math.isfinite(v)}
+        box = self._with_rates(self.box, known, seconds)
+        for name, value in known.items():
+            margin = self.platform.accuracy.get(name, 0.0)
+            box = self._with(box, name, (value - margin, value + margin))
+        return Estimate(self.platform, self._with_aims(box), known)
+
+    # --- one measurement -------------------------------------------------------------------------
+
+    def _period(self, setpoints: SetPoints) -> Period:
+        return Period(self.response, self._constants, self.box, setpoints)
+
+    def _with(self, box: Box, name: str, value: Interval) -> Box:
+        match self.response.quantities.get(name):
+            case Position() as place:
+                index = [*self.response.positions].index(name)
+                floor = -math.inf if place.floor is None else place.floor
+                value = max(value[0], floor), max(value[1], floor)
+                return replace(box, positions=_put(box.positions, index, value))
+            case Greatest(of=of):
+                index = [*self.response.positions].index(of)
+                return replace(box, highest=_put(box.highest, index, value))
+            case Velocity(channel=channel, component=component):
+                return self._with_velocity(box, channel, component, value)
+            case Speed(channels=(channel,)) if self._channel(channel).size == 1:
+                return self._with_scalar_speed(box, channel, value)
+            case Speed(channels=channels) as speed:
+                still = speed.unless_on is not None and value[0] <= 0.0
+                return box if still else self._with_speed(box, channels, value)
+        return box
+
+    def _with_velocity(self, box: Box, name: str, component: int, value: Interval) -> Box:
+        index = self._index(name)
+        components = _put(box.velocities[index], component, value)
+        return self._with_channel(box, index, components)
+
+    def _with_scalar_speed(self, box: Box, name: str, value: Interval) -> Box:
+        """A speed without its sign, of a channel that moves both ways."""
+        index = self._index(name)
+        ((low, high),) = box.velocities[index]
+        least, most = max(0.0, value[0]), value[1]
+        ways = [w for w in ((-most, -least), (least, most)) if w[0] <= high and low <= w[1]]
+        met = [(max(low, a), min(high, b)) for a, b in ways] or [(-most, most)]
+        return self._with_channel(box, index, (hull(met),))
+
+    def _with_speed(self, box: Box, channels: tuple[str, ...], value: Interval) -> Box:
+        """The speed over several channels: faster than the bounds allow, or one more bound."""
+        used = [self._index(c) for c in channels]
+        norms = list(box.norms)
+        fastest = math.hypot(*(norms[i] for i in used))
+        if value[0] > fastest:
+            first = used[0]
+            norms[first] = max(norms[first], value[1])
+            wide = tuple((-value[1], value[1]) for _ in box.velocities[first])
+            return replace(
+                box, norms=tuple(norms), velocities=_replaced(box.velocities, first, wide)
+            )
+        for i in used:
+            norms[i] = min(norms[i], value[1])
+        return replace(box, norms=tuple(norms))
+
+    def _with_rates(self, box: Box, values: Mapping[str, float], seconds: float) -> Box:
+        """Velocities that positions tell of, where they are beyond the bounds."""
+        for name, place in self.response.positions.items():
+            before, now = self._before.get(name), values.get(name)
+            if before is None or now is None or seconds <= 0.0:
+                continue
+            margin = self.platform.accuracy.get(name, 0.0) / seconds
+            rate = (now - before) / seconds / place.factor
+            index = self._index(place.channel)
+            low, high = box.velocities[index][place.component]
+            if not low - margin <= rate <= high + margin:
+                components = _replaced(
+                    box.velocities[index], place.component, (min(low, rate), max(high, rate))
+                )
+                box = self._with_channel(box, index, components)
+        return box
+
+    def _with_channel(self, box: Box, index: int, components: tuple[Interval, ...]) -> Box:
+        corner = math.hypot(*(max(abs(a), abs(b)) for a, b in components))
+        nearest = math.hypot(*(max(0.0, a, -b) for a, b in components))
+        norm = box.norms[index] if nearest <= box.norms[index] else corner
+        return replace(
+            box,
+            velocities=_replaced(box.velocities, index, components),
+            norms=_replaced(box.norms, index, min(corner, norm)),
+        )
+
+    def _with_aims(self, box: Box) -> Box:
+        """Where the set-points alone would lead: position + lag * velocity, for a pure lag."""
+        aims = []
+        for place, (low, high) in zip(self.response.positions.values(), box.positions, strict=True):
+            index = self._index(place.channel)
+            lag = self._constants[index].lags[1]
+            rates = [place.factor * v for v in box.velocities[index][place.component]]
+            aims.append((low + lag * min(0.0, *rates), high + lag * max(0.0, *rates)))
+        highest = tuple(
+            (max(h[0], p[0]), max(h[1], p[1]))
+            for h, p in zip(box.highest, box.positions, strict=True)
+        )
+        return replace(box, aims=tuple(aims), highest=highest)
+
+    def _index(self, channel: str) -> int:
+        return next(i for i, c in enumerate(self.response.channels) if c.name == channel)
+
+    def _channel(self, name: str) -> Channel:
+        return self.response.channels[self._index(name)]
+
+
+def _put(intervals: tuple[Interval, ...], index: int, value: Interval) -> tuple[Interval, ...]:
+    """Narrow one of some intervals down; where that leaves nothing, believe the new one."""
+    low, high = max(intervals[index][0], value[0]), min(intervals[index][1], value[1])
+    return _replaced(intervals, index, (low, high) if low <= high else value)
+
+
+def _replaced(values: tuple[T, ...], index: int, value: T) -> tuple[T, ...]:
+    return (*values[:index], value, *values[index + 1 :])

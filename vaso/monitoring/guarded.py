@@ -1,0 +1,200 @@
+"""One rule as the shield sees it: where its monitor is, and what a forecast would do to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TypeAlias
+
+from vaso.dynamics.interval import compared, enclose
+from vaso.dynamics.rules import invariant, names_in
+from vaso.ltl import Atom, Comparison, Formula, Proposition, Unary, nnf
+from vaso.monitoring.forecast import Phase
+from vaso.monitoring.monitor import (
+    Letter,
+    Monitor,
+    Partial,
+    Situation,
+    Truth,
+    completions,
+    letter_of,
+)
+from vaso.plan.transition_system import Label
+from vaso.skill import Rule
+
+__all__ = ["Guarded", "Guess"]
+
+Guess: TypeAlias = tuple[bool, ...]
+"""What sensors may show in the next state: the values of a rule's atoms that are not known yet."""
+
+Acts: TypeAlias = Callable[[str, Phase, bool], bool | None]
+"""Whether an action holds in a phase, the first one or a later one; None where it is no action."""
+
+MAX_UNKNOWN = 6
+MAX_REMEMBERED = 5_000
+MAX_TURNS = 50
+TOLERANCE = 1e-6
+"""Differences of bounds that are rounding errors."""
+
+
+class Guarded:
+    """The safety part of a rule, guarded by the shield.
+
+    A comparison that may be read as "throughout the period" is judged by the bounds that hold at
+    every instant for every vehicle, and watched by what is measured; other comparisons (such as
+    ``altitude == 0``, which no measurement ever is) by the platform's model, from the commands.
+
+    Args:
+        rule: The rule.
+        safety: Its safety part.
+
+    Attributes:
+        robust: Whether its comparisons are read as "throughout the period".
+        broken: True while the last state has violated it.
+
+    Raises:
+        FormulaError: It cannot be watched.
+    """
+
+    def __init__(self, rule: Rule, safety: Formula) -> None:
+        self.rule = rule
+        self.monitor = Monitor(nnf(safety))
+        self.robust = not isinstance(invariant(safety), str)
+        self.broken = False
+        self._possible: frozenset[Situation] = frozenset({self.monitor.start})
+        self._lost: dict[tuple[frozenset[Situation], tuple[Partial, ...]], frozenset[Guess]] = {}
+
+    # --- the run so far --------------------------------------------------------------------------
+
+    def observe(self, labels: Mapping[str, Label], model: Mapping[str, Label]) -> bool:
+        """Take a step; a rule that is violated is watched anew from here. True if it is.
+
+        Args:
+            labels: What is true in the state.
+            model: The platform's numbers by its model.
+        """
+        letter = letter_of(self.monitor.atoms, labels if self.robust else {**labels, **model})
+        reached = self._kept(self.monitor.all_after(self._possible, letter))
+        self.broken = not reached
+        if self.broken:
+            start = frozenset({self.monitor.start})
+            reached = self._kept(self.monitor.all_after(start, letter)) or start
+        self._possible = reached
+        return self.broken
+
+    def _kept(self, situations: frozenset[Situation]) -> frozenset[Situation]:
+        return frozenset(s for s in situations if self.monitor.truth(s) is not Truth.VIOLATED)
+
+    @property
+    def asks(self) -> list[Formula]:
+        """Literals of the formula that must hold in the next state, in one alternative."""
+        terms = sorted((t for s in self._possible for t in s.demanded), key=len)
+        literals = [f for f in terms[0] if _is_literal(f)] if terms else []
+        return sorted(literals, key=str)
+
+    # --- what is to come -------------------------------------------------------------------------
+
+    def letters(self, phases: Sequence[Phase], acts: Acts) -> tuple[Partial, ...]:
+        """The values of the rule's atoms in each phase, as far as they can be foretold."""
+        return tuple(
+            tuple(self._value(atom, phase, acts, index == 0) for atom in self.monitor.atoms)
+            for index, phase in enumerate(phases)
+        )
+
+    def _value(self, atom: Atom, phase: Phase, acts: Acts, first: bool) -> bool | None:
+        if isinstance(atom, Proposition):
+            return acts(atom.name, phase, first)
+        if not self.robust:
+            (value,) = letter_of((atom,), phase.truth)
+            return value
+        if any(name not in phase.bounds for name in names_in(atom)):
+            return None
+        return compared(atom, phase.bounds) is True
+
+    def lost(self, letters: tuple[Partial, ...]) -> frozenset[Guess]:
+        """What sensors may show next so that the rule may then be lost on the way."""
+        key = self._possible, letters
+        known = self._lost.get(key)
+        if known is None:
+            if len(self._lost) > MAX_REMEMBERED:
+                self._lost.clear()
+            known = self._lost[key] = frozenset(self._losing(letters))
+        return known
+
+    def _losing(self, letters: tuple[Partial, ...]) -> Iterator[Guess]:
+        first, rest = letters[0], letters[1:]
+        unknown = [i for i, value in enumerate(first) if value is None]
+        if len(unknown) > MAX_UNKNOWN:
+            if self._may_lose(self.monitor.all_after(self._possible, first), rest or (first,)):
+                yield ()
+            return
+        for letter in completions(first):
+            reached = frozenset(self.monitor.after(s, letter) for s in self._possible)
+            if self._may_lose(reached, rest or (first,)):
+                yield tuple(letter[i] for i in unknown)
+
+    def _may_lose(self, here: frozenset[Situation], letters: Sequence[Partial]) -> bool:
+        """Whether the rule may be lost under the letters, the last one of which is repeated."""
+        seen: set[frozenset[Situation]] = set()
+        for turn in range(len(letters) + MAX_TURNS):
+            if any(self.monitor.truth(s) is Truth.VIOLATED for s in here):
+                return True
+            if turn >= len(letters):
+                if here in seen:
+                    return False
+                seen.add(here)
+            here = self.monitor.all_after(here, letters[min(turn, len(letters) - 1)])
+        return True
+
+    def no_worse(
+        self,
+        phases: Sequence[Phase],
+        letters: Sequence[Letter | Partial],
+        safe_phases: Sequence[Phase],
+        safe_letters: Sequence[Letter | Partial],
+    ) -> bool:
+        """Whether one forecast is no worse for the rule than that of the safe command."""
+        for index, atom in enumerate(self.monitor.atoms):
+            if isinstance(atom, Comparison) and self.robust:
+                worst, safe = _excess(atom, phases), _excess(atom, safe_phases)
+                if worst > safe + TOLERANCE:
+                    return False
+            elif letters[0][index] != safe_letters[0][index]:
+                return False
+        return True
+
+    def troubles(self, phases: Sequence[Phase]) -> Iterator[tuple[Comparison, int]]:
+        """Comparisons that may become false, each with the phase in which they first may."""
+        for atom in self.monitor.atoms:
+            if not isinstance(atom, Comparison) or not self.robust:
+                continue
+            for index, phase in enumerate(phases):
+                known = all(name in phase.bounds for name in names_in(atom))
+                if known and compared(atom, phase.bounds) is not True:
+                    yield atom, index
+                    break
+
+
+def _excess(atom: Comparison, phases: Sequence[Phase]) -> float:
+    """By how much a comparison may fail at most; for equations, how far the sides may differ."""
+    found = -float("inf")
+    for phase in phases:
+        if any(name not in phase.bounds for name in names_in(atom)):
+            continue
+        left, right = enclose(atom.left, phase.bounds), enclose(atom.right, phase.bounds)
+        above, below = left[1] - right[0], right[1] - left[0]
+        found = max(
+            found,
+            above
+            if atom.op in ("<", "<=")
+            else below
+            if atom.op in (">", ">=")
+            else max(above, below),
+        )
+    return found
+
+
+def _is_literal(formula: Formula) -> bool:
+    match formula:
+        case Unary("!", Proposition()) | Proposition():
+            return True
+    return False
