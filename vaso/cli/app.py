@@ -17,6 +17,7 @@ from vaso.cli import (
     demo,
     optimize,
     plan,
+    robot,
     run_plan,
     sat,
     show,
@@ -72,3 +73,4 @@ for command in (
     app.command()(command)
 app.add_typer(bench.app, name="bench")
 app.add_typer(cache.app, name="cache")
+app.add_typer(robot.app, name="robot")

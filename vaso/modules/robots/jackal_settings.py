@@ -88,9 +88,10 @@ class JackalSettings(BaseModel):
             return cls.model_validate({**given, **further})
         except ValidationError as error:
             first = error.errors(include_url=False)[0]
-            name = ".".join(str(p) for p in first["loc"]) or "the topics"
+            name = ".".join(str(p) for p in first["loc"])
+            problem = first["msg"].removeprefix("Value error, ")
             raise RobotError(
-                f"setting of the jackal: {name}: {first['msg']}",
+                f"setting of the jackal: {name + ': ' if name else ''}{problem}",
                 source=connect,
                 expected=f"a velocity topic such as {DEFAULT_TOPIC}?stamped=false; settings are "
                 + ", ".join(cls.model_fields),

@@ -272,10 +272,10 @@ def _run(
 
 
 def _reason(text: str) -> str:
-    """The line that says most: the last one that mentions an error."""
+    """The line that says most: the first one that mentions an error, else the last."""
     lines = [line.strip(" ×╰─▶├│") for line in text.splitlines() if line.strip(" ×╰─▶├│")]
-    errors = [line for line in lines if "error" in line.lower() or "No space" in line]
-    return (errors or lines or ["it does not say why"])[-1][:300]
+    errors = [line for line in lines if "error" in line.lower()]
+    return (errors[:1] or lines[-1:] or ["it does not say why"])[0][:300]
 
 
 def _advice(text: str) -> str | None:
