@@ -15,7 +15,7 @@ from pydantic import Field
 
 from vaso.platforms import Platform
 from vaso.simulation.autopilot import ZERO, TakeOff
-from vaso.simulation.things import Part
+from vaso.simulation.things import NonNegative, Part
 from vaso.simulation.truth import Vector
 
 __all__ = ["Body", "Multirotor"]
@@ -26,14 +26,14 @@ class Body(Part):
 
     Attributes:
         lags: Time constants of the horizontal and the vertical velocity in seconds.
-        drag: Acceleration in m/s² for each m/s of air speed, in 1/s.
+        drag: Acceleration in m/s² for each m/s of horizontal and of vertical air speed, in 1/s.
         horizontal: Greatest acceleration that the controller asks for, in m/s² (``MPC_ACC_HOR``).
         up: The same upwards (``MPC_ACC_UP_MAX``).
         down: The same downwards (``MPC_ACC_DOWN_MAX``).
     """
 
     lags: tuple[float, float] = (0.56, 0.25)
-    drag: float = Field(default=0.1, ge=0)
+    drag: tuple[NonNegative, NonNegative] = (0.1, 0.1)
     horizontal: float = Field(default=5.0, gt=0)
     up: float = Field(default=4.0, gt=0)
     down: float = Field(default=3.0, gt=0)
@@ -120,11 +120,11 @@ class Multirotor:
         if size > body.horizontal:
             north, east = north * body.horizontal / size, east * body.horizontal / size
         down = min(body.down, max(-body.up, down))
-        drag = body.drag
+        level, upright = body.drag
         return (
-            north + drag * (wind[0] - velocity[0]),
-            east + drag * (wind[1] - velocity[1]),
-            down + drag * (wind[2] - velocity[2]),
+            north + level * (wind[0] - velocity[0]),
+            east + level * (wind[1] - velocity[1]),
+            down + upright * (wind[2] - velocity[2]),
         )
 
 

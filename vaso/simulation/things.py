@@ -9,9 +9,10 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from vaso.simulation.geometry import Point, rectangle
 
-__all__ = ["Finite", "Furniture", "Item", "Length", "Metres", "Part", "Position"]
+__all__ = ["Finite", "Furniture", "Item", "Length", "Metres", "NonNegative", "Part", "Position"]
 
-Metres: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+NonNegative: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Metres: TypeAlias = NonNegative
 Length: TypeAlias = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Finite: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
 Position: TypeAlias = tuple[Finite, Finite]
