@@ -30,6 +30,7 @@ def test_at_rest_nothing_moves():
     assert robot.truth.path_length == 0
 
 
+@settings(max_examples=50, deadline=None)
 @given(st.floats(-4, 4), st.integers(1, 30))
 def test_a_turn_on_the_spot_keeps_the_position(angular, periods):
     robot = drive(jackal(wheel_error=0.05), (0.0, angular, periods))
@@ -43,6 +44,7 @@ def test_metres_and_degrees_are_those_of_the_commands():
     assert robot.truth.turned == pytest.approx(0.5 * 3.1, abs=1e-3)
 
 
+@settings(max_examples=50, deadline=None)
 @given(st.lists(COMMANDS, max_size=8))
 def test_left_is_the_mirror_image_of_right(commands):
     left = drive(jackal(), *commands).truth.moments
@@ -51,6 +53,7 @@ def test_left_is_the_mirror_image_of_right(commands):
         assert (a.x, a.y, a.heading) == pytest.approx((b.x, -b.y, -b.heading), abs=1e-9)
 
 
+@settings(max_examples=50, deadline=None)
 @given(st.lists(COMMANDS, max_size=8))
 def test_acceleration_and_speed_are_limited(commands):
     moments = drive(jackal(), *commands).truth.moments
@@ -67,7 +70,7 @@ def test_a_command_takes_effect_with_the_acceleration_of_the_platform():
     assert robot.measured()["x"] == pytest.approx(2.0 * 0.1 - 2.0**2 / (2 * 20.0))
 
 
-@settings(max_examples=30)
+@settings(max_examples=30, deadline=None)
 @given(st.lists(COMMANDS, min_size=4, max_size=12), st.integers(0, 99))
 def test_no_robot_ever_goes_through_a_wall_or_furniture(commands, seed):
     box = Furniture(kind="box", at=(1.0, 0.8), heading=20.0)

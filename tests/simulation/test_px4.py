@@ -103,7 +103,7 @@ def test_position_is_held_on_zero_velocity():
     assert robot.measured()["altitude"] == pytest.approx(4.0, abs=0.2)
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(SETPOINTS, st.booleans())
 def test_never_below_the_ground_nor_faster_than_asked_in_still_air(setpoints, tracking):
     robot = fly(PX4Sim(tracking=tracking), *setpoints)
@@ -115,7 +115,7 @@ def test_never_below_the_ground_nor_faster_than_asked_in_still_air(setpoints, tr
             assert moment.altitude == 0 and moment.speed == 0
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(SETPOINTS)
 def test_east_is_the_mirror_image_of_west(setpoints):
     east = fly(PX4Sim(), *setpoints).truth.moments
@@ -124,7 +124,7 @@ def test_east_is_the_mirror_image_of_west(setpoints):
         assert (a.north, a.east, a.altitude) == pytest.approx((b.north, -b.east, b.altitude))
 
 
-@settings(max_examples=25)
+@settings(max_examples=25, deadline=None)
 @given(SETPOINTS)
 def test_acceleration_is_limited(setpoints):
     body = Body(drag=(0.0, 0.0), horizontal=1.0, up=0.5, down=0.4)
