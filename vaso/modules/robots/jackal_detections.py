@@ -5,14 +5,14 @@ Standard library only: this runs in the Python of ROS, next to the robot's topic
 
 from __future__ import annotations
 
-import json
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeGuard
 
-__all__ = ["SYNONYMS", "Detection", "Detections", "Report", "Stale", "read_report"]
+from vaso.modules.robots.jackal_messages import Detection, Report
+
+__all__ = ["SYNONYMS", "Detections", "Stale"]
 
 SYNONYMS: Mapping[str, tuple[str, ...]] = {
     "people": ("person", "pedestrian", "human"),
@@ -20,128 +20,9 @@ SYNONYMS: Mapping[str, tuple[str, ...]] = {
 }
 """Further names that detectors have for what plans ask for; COCO says ``person``."""
 
-_LISTS = ("detections", "objects", "predictions", "results")
-_NAMES = ("class", "label", "name", "class_name", "class_id", "category", "object")
-_SCORES = ("score", "confidence", "conf", "probability", "prob")
-_STAMPS = ("stamp", "timestamp", "time")
-
 
 class Stale(Exception):
     """A detector has said nothing, or nothing of use, for too long."""
-
-
-@dataclass(frozen=True)
-class Detection:
-    """One object in one image.
-
-    Attributes:
-        name: Its class.
-        score: How sure the detector is, from 0 to 1.
-    """
-
-    name: str
-    score: float = 1.0
-
-
-@dataclass(frozen=True)
-class Report:
-    """One message of a detector: everything that it sees in one image, which may be nothing.
-
-    Attributes:
-        detections: What it sees.
-        stamp: When the image was taken, in seconds of the clock that :class:`Detections` is given
-            as ``clock``; None if the message does not say.
-        classes: All that this detector can see; None if the message does not say.
-    """
-
-    detections: tuple[Detection, ...] = ()
-    stamp: float | None = None
-    classes: frozenset[str] | None = None
-
-
-def read_report(text: str) -> Report:
-    """Read a detector's JSON.
-
-    ``{"stamp": 1730000000.25, "classes": ["person", "chair"], "detections": [{"class": "person",
-    "score": 0.91}]}`` says everything; a list of detections alone will do. A class may be called
-    ``class``, ``label`` or ``name``, a score ``score`` or ``confidence``, and where there is no
-    score it is 1. Other keys, such as bounding boxes, are ignored.
-
-    Raises:
-        ValueError: It is something else. No part of it is used then: the part that cannot be read
-            could be a person.
-    """
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise ValueError(f"no JSON: {error}") from error
-    if isinstance(data, list):
-        return Report(tuple(_detection(d) for d in data))
-    if not isinstance(data, dict):
-        raise ValueError(f"neither a list nor an object, but {_short(data)}")
-    stamp, classes = _stamp(data), _classes(data)
-    found = next((data[k] for k in _LISTS if k in data), None)
-    if isinstance(found, list):
-        return Report(tuple(_detection(d) for d in found), stamp, classes)
-    if found is None and _first(data, _NAMES, str) is not None:
-        return Report((_detection(data),), stamp, classes)
-    raise ValueError(f"no list of detections in {_short(data)}")
-
-
-def _detection(data: Any) -> Detection:
-    if isinstance(data, str):
-        return Detection(data)
-    if not isinstance(data, dict):
-        raise ValueError(f"no detection: {_short(data)}")
-    name = _first(data, _NAMES, str)
-    if not name:
-        raise ValueError(f"a detection without a class: {_short(data)}")
-    score = next((data[k] for k in _SCORES if k in data), 1.0)
-    return Detection(name, _score(score, data))
-
-
-def _score(value: Any, data: Any) -> float:
-    try:
-        score = float(value)
-    except (TypeError, ValueError):
-        score = math.nan
-    if not 0 <= score <= 1:
-        raise ValueError(f"a score that is not between 0 and 1: {_short(data)}")
-    return score
-
-
-def _stamp(data: Mapping[str, Any]) -> float | None:
-    header = data.get("header")
-    holder = header if isinstance(header, dict) else data
-    value = next((holder[k] for k in _STAMPS if k in holder), None)
-    if isinstance(value, dict):  # a builtin_interfaces/Time
-        seconds, rest = value.get("sec"), value.get("nanosec", 0)
-        value = seconds + rest * 1e-9 if _is_number(seconds) and _is_number(rest) else None
-    return float(value) if _is_number(value) and value > 0 else None
-
-
-def _is_number(value: Any) -> TypeGuard[float]:
-    return isinstance(value, (int, float)) and math.isfinite(value)
-
-
-def _classes(data: Mapping[str, Any]) -> frozenset[str] | None:
-    value = data.get("classes")
-    if isinstance(value, list) and all(isinstance(v, str) for v in value):
-        return frozenset(_plain(v) for v in value)
-    return None
-
-
-def _first(data: Mapping[str, Any], keys: Sequence[str], kind: type) -> Any:
-    return next((data[k] for k in keys if isinstance(data.get(k), kind)), None)
-
-
-def _short(value: Any) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=repr)
-    return text if len(text) <= 80 else text[:77] + "..."
-
-
-def _plain(name: str) -> str:
-    return " ".join(name.replace("_", " ").replace("-", " ").lower().split())
 
 
 @dataclass
@@ -213,7 +94,7 @@ class Detections:
         self._asked[name] = limit = _limit(self.ages, name, self.age)
         self._check(now, limit)
         reports = [s.report for s in self._sources.values() if s.report is not None]
-        if not any(r.classes is None or wanted & r.classes for r in reports):
+        if not any(r.classes is None or wanted & set(map(_plain, r.classes)) for r in reports):
             raise Stale(f"no detector reports '{name}'{_told(reports)}")
         least = _limit(self.confidences, name, self.confidence)
         return any(_plain(d.name) in wanted and d.score >= least for d in _all(reports))
@@ -250,6 +131,10 @@ class Detections:
 
 def _limit(single: Mapping[str, float], name: str, otherwise: float) -> float:
     return {_plain(k): v for k, v in single.items()}.get(_plain(name), otherwise)
+
+
+def _plain(name: str) -> str:
+    return " ".join(name.replace("_", " ").replace("-", " ").lower().split())
 
 
 def _all(reports: Sequence[Report]) -> Iterator[Detection]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any, Self
-from urllib.parse import parse_qsl, urlsplit
+from urllib.parse import parse_qsl
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -63,9 +63,9 @@ class JackalSettings(BaseModel):
     use_stamps: bool = True
     odometry_age: float = Field(default=0.5, gt=0, le=10)
     command_timeout: float = Field(default=0.5, ge=0.2, le=1)
-    max_linear: float = Field(default=2.0, gt=0)
-    max_angular: float = Field(default=4.0, gt=0)
-    patience: float = Field(default=10.0, gt=0)
+    max_linear: float = Field(default=2.0, gt=0, allow_inf_nan=False)
+    max_angular: float = Field(default=4.0, gt=0, allow_inf_nan=False)
+    patience: float = Field(default=10.0, gt=0, allow_inf_nan=False)
     python: str | None = None
     domain: int | None = Field(default=None, ge=0, le=232)
     use_sim_time: bool = False
@@ -81,9 +81,9 @@ class JackalSettings(BaseModel):
         Raises:
             RobotError: There is no such setting, or a value does not fit.
         """
-        parts = urlsplit(connect)
-        given: dict[str, Any] = {"velocity_topic": parts.path or DEFAULT_TOPIC}
-        given |= _nested(parse_qsl(parts.query, keep_blank_values=True))
+        topic, _, query = connect.partition("?")
+        given: dict[str, Any] = {"velocity_topic": topic or DEFAULT_TOPIC}
+        given |= _nested(parse_qsl(query, keep_blank_values=True))
         try:
             return cls.model_validate({**given, **further})
         except ValidationError as error:

@@ -9,6 +9,7 @@ import contextlib
 import math
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 import rclpy
@@ -20,9 +21,10 @@ from rclpy.qos import qos_profile_sensor_data
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import Bool, String
 
-from vaso.modules.robots.jackal_detections import Detection, Detections, Report, read_report
+from vaso.modules.robots.jackal_detections import Detections
+from vaso.modules.robots.jackal_messages import Report, motion_of, read_report, report_of
 
-__all__ = ["Topics", "VelocityPublisher", "report_of"]
+__all__ = ["Topics", "VelocityPublisher", "make_node"]
 
 
 class VelocityPublisher:
@@ -152,54 +154,22 @@ class Topics:
         self._node.create_subscription(kind, topic, heard, qos_profile_sensor_data)
 
     def _json(self, message: String) -> None:
-        topic, now = self._settings["detections"], time.monotonic()
-        with self._lock:
-            try:
-                report = read_report(message.data)
-            except ValueError as error:
-                self._detections.reject(topic, str(error), now)
-            else:
-                self._detections.add(topic, report, now, self._time())
+        self._report(self._settings["detections"], lambda: read_report(message.data))
 
     def _array(self, message: Any) -> None:
+        self._report(self._settings["detections_2d"], lambda: report_of(message))
+
+    def _report(self, topic: str, read: Callable[[], Report]) -> None:
+        now, clock = time.monotonic(), self._node.get_clock().now().nanoseconds * 1e-9
         with self._lock:
-            topic, now = self._settings["detections_2d"], time.monotonic()
-            self._detections.add(topic, report_of(message), now, self._time())
+            try:
+                self._detections.add(topic, read(), now, clock)
+            except ValueError as error:
+                self._detections.reject(topic, str(error), now)
 
     def _odometer(self, message: Any) -> None:
-        found = _motion(message)
-        if all(map(math.isfinite, found.values())):
-            with self._lock:
-                self._odometry, self._measured_at = found, time.monotonic()
+        with contextlib.suppress(ValueError), self._lock:  # such a message measures nothing
+            self._odometry, self._measured_at = motion_of(message), time.monotonic()
 
     def _stop_button(self, message: Bool) -> None:
         self._emergency = bool(message.data)
-
-    def _time(self) -> float:
-        return float(self._node.get_clock().now().nanoseconds) * 1e-9
-
-
-def report_of(message: Any) -> Report:
-    """A ``vision_msgs/Detection2DArray`` as a report; every hypothesis counts as a detection."""
-    stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
-    return Report(
-        tuple(
-            Detection(str(result.hypothesis.class_id), float(result.hypothesis.score))
-            for detection in message.detections
-            for result in detection.results
-        ),
-        stamp or None,
-    )
-
-
-def _motion(message: Any) -> dict[str, float]:
-    """Speed (m/s), turn rate (rad/s), position (m) and heading (rad) of a nav_msgs/Odometry."""
-    velocity, pose = message.twist.twist, message.pose.pose
-    q = pose.orientation
-    return {
-        "speed": math.hypot(velocity.linear.x, velocity.linear.y),
-        "turn_rate": velocity.angular.z,
-        "x": pose.position.x,
-        "y": pose.position.y,
-        "heading": math.atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y * q.y + q.z * q.z)),
-    }
