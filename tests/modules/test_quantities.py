@@ -115,9 +115,9 @@ SQUARES = {
     "Perform a square trajectory with a 1-second pause at each corner, altitude 6 meters, and "
     "speed 0.6 m/s.": {"altitude_m": 6, "speed_mps": 0.6, "pause_s": 1},
     "Execute a square route with side length 2 meters at 8 meters altitude while limiting motion "
-    "to 0.7 m/s.": {"side_m": 2, "altitude_m": 8, "speed_mps": 0.7},
+    "to 0.7 m/s.": {"side_m": 2, "altitude_m": 8, "speed_mps": 0.63},
     "Starting from hover, complete a square-shaped flight of width 4 meters at altitude 5 meters "
-    "with maximum speed 0.9 m/s.": {"side_m": 4, "altitude_m": 5, "speed_mps": 0.9},
+    "with maximum speed 0.9 m/s.": {"side_m": 4, "altitude_m": 5, "speed_mps": 0.81},
 }
 
 
@@ -148,7 +148,10 @@ def test_prompts_of_the_drone(prompt):
         ("Fly at 1.8 km/h in a 2-meter square, six meters high", {"speed_mps": 0.5, "side_m": 2.0}),
         ("pausing at every corner for 2 seconds", {"pause_s": 2.0}),
         ("2 m edges, 4 m above ground, at 50 cm/s", {"altitude_m": 4.0, "speed_mps": 0.5}),
-        ("no faster than 0.6 m/s", {"speed_mps": 0.6}),
+        ("no faster than 0.6 m/s", {"speed_mps": 0.54}),
+        ("limit the speed to 0.5 m/s", {"speed_mps": 0.45}),
+        ("speed at most 1 m/s", {"speed_mps": 0.9}),
+        ("max speed: 0.5 m/s", {"speed_mps": 0.45}),
         ("Look around until you see a red ball", {"target": "red ball"}),
         ("Search for chairs", {"target": "chair"}),
         ("find people", {"target": "people"}),

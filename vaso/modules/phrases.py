@@ -24,7 +24,11 @@ SECONDS = rf"{NUMBER}[\s-]*(?:seconds?|secs?|s)\b"
 SIDE = r"(?:to\s+(?:the|your)\s+)?(?:left|right|anti-?clockwise|counter-?\s?clockwise|clockwise)\b"
 TURN = r"\b(?:turn|rotat|pivot|spin|yaw)(?:e|s|es|ed|ing)?\b"
 PAUSE = r"\b(?:paus|wait|hover|hold|rest|stay)\w*"
-BELOW = r"\b(?:below|under|less\s+than|slower\s+than|(?:not|never|without)\s+(?:reach|hit)\w*)\s+"
+BELOW = (
+    r"\b(?:below|under|(?:less|slower)\s+than|at\s+most|up\s+to|no(?:t)?\s+(?:more|faster)\s+than"
+    r"|(?:not|never|without)\s+(?:exceed|reach)\w*|(?:limit|cap|restrict)\w*(?:\s+\w+){0,3}?"
+    r"\s+(?:to|at)|max(?:imum|imal)?(?:\s+(?:speed|velocity|of|is|at))*)\s*[:=]?\s+"
+)
 IS = r"(?:\s*[:=]\s*|\s+(?:(?:up|of|at|to|is|are|being|measur\w+|with)\s+)*)"
 ANGLED = rf"(?:\s*,?\s+(?:by\s+|through\s+|of\s+)?{ANGLE})"
 

@@ -16,7 +16,8 @@ from vaso.modules.targets import find_target
 
 METRES = {"cm": 0.01, "centi": 0.01, "km": 1000.0, "kilo": 1000.0, "f": 0.3048}
 RIGHT_ANGLE = 90.0
-STRICT_MARGIN = 0.9
+MARGIN = 0.9
+"""What to fly of a greatest speed: who holds a position in wind is faster than planned at times."""
 SECONDS_PER_HOUR = 3600.0
 STROKES = 2
 """How often a zig-zag route of alternating turns goes to and fro, where a prompt does not say."""
@@ -62,8 +63,8 @@ class Quantities:
         legs: Every distance and turn in the order of the prompt.
         side_m: Side of a square, in metres.
         altitude_m: Height above the ground, in metres.
-        speed_mps: Speed to travel at, in metres per second; 0.9 of the bound that a prompt wants
-            the speed to stay *below*.
+        speed_mps: Speed to travel at, in metres per second; 0.9 of the bound where a prompt
+            gives the greatest speed ("below", "at most", "maximum").
         pause_s: Length of a pause, in seconds.
         standoff_m: Distance to keep from the target ("stop 1 meter away"), in metres.
         clockwise: Sense of going round.
@@ -159,7 +160,7 @@ def _quantity(phrase: Phrase) -> tuple[str, float]:
     if phrase.kind in ("speed", "speed_below"):
         speed = _speed(phrase.text)
         below = phrase.kind == "speed_below"
-        return "speed_mps", round(speed * STRICT_MARGIN, 3) if below else speed
+        return "speed_mps", round(speed * MARGIN, 3) if below else speed
     if phrase.kind == "pause":
         return "pause_s", _number(phrase.text)
     names = {"height": "altitude_m", "side": "side_m", "sides": "side_m", "standoff": "standoff_m"}
