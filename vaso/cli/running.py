@@ -114,9 +114,9 @@ def summary(log: RunLog, watch: Watch, platform: Platform, path: object) -> Grou
     ending = log.ending or Ending(outcome="aborted", reason="the log has no end")
     head = Text(*OUTCOMES[ending.outcome])
     last = log.records[-1] if log.records else None
-    size = f"   {last.time:.1f} s, {len(log.records)} states" if last else "   nothing was done"
-    head.append(f"   {log.header.skill} on {log.header.robot}{size}", style="default not bold")
-    parts: list[RenderableType] = [head]
+    size = f"{last.time:.1f} s, {len(log.records)} states" if last else "nothing was done"
+    head.append(f"   {log.header.skill} on {log.header.robot}", style="default not bold")
+    parts: list[RenderableType] = [head, Text(f"  {size}")]
     if ending.reason:
         style = "red" if ending.outcome == "aborted" else "yellow"
         parts.append(Padding(Text(ending.reason, style=style), (0, 0, 0, 2)))
@@ -195,4 +195,4 @@ def _late(record: Record) -> str:
 
 def _replaced(record: Record) -> str:
     assert record.intervention is not None
-    return f"{record.intervention.wanted} became {_command(record)}: {record.intervention.reason}"
+    return f"{record.intervention.wanted}: {record.intervention.reason}"

@@ -60,19 +60,30 @@ def get_robot(
 
 
 def _real(kind: str, connect: str | None, settings: dict[str, Any]) -> Robot:
+    if connect is not None:
+        settings = {"connect": connect, **settings}
     if kind == "px4":
         from vaso.modules.robots.px4 import PX4Mavlink
 
-        return PX4Mavlink(connect, **settings) if connect else PX4Mavlink(**settings)
+        return PX4Mavlink(**settings)
     from vaso.modules.robots.jackal import JackalROS
 
-    return JackalROS(connect, **settings) if connect else JackalROS(**settings)
+    return JackalROS(**settings)
 
 
 def _simulated(
     platform: Platform, scene: str | Path | None, seed: int, settings: dict[str, Any]
 ) -> Robot:
-    from vaso.simulation import get_simulator, load_scene
+    from vaso.simulation import AirScene, JackalSim, PX4Sim, Scene, load_scene
 
     world = load_scene(scene) if scene is not None else None
-    return get_simulator(platform.name)(world, seed=seed, **settings)
+    if platform.name == "jackal" and (world is None or isinstance(world, Scene)):
+        return JackalSim(world, seed=seed, **settings)
+    if platform.name == "px4" and (world is None or isinstance(world, AirScene)):
+        return PX4Sim(world, seed=seed, **settings)
+    if platform.name in ("jackal", "px4"):
+        raise RobotError("the scene is for another platform", source=str(scene))
+    raise RobotError(
+        f"there is no simulator of platform {platform.name}",
+        hint="--robot ideal runs a plan on the platform's own model",
+    )
