@@ -120,8 +120,20 @@ class DriverProcess:
         Raises:
             RobotError: The driver refuses, dies, hangs, or does not answer in time.
         """
+        return self.answer(self.ask(kind, **fields), timeout, kind)
+
+    def ask(self, kind: str, **fields: Any) -> int:
+        """Send a request without waiting; the number is for :meth:`answer`."""
         number = next(self._ids)
         self.send(kind, id=number, **fields)
+        return number
+
+    def answer(self, number: int, timeout: float, kind: str = "it") -> Message:
+        """Wait for the answer to a request that was sent by :meth:`ask`.
+
+        Raises:
+            RobotError: As in :meth:`call`.
+        """
         self._wait(lambda: number in self._answers, timeout, f"does not answer '{kind}'")
         answer = self._answers.pop(number)
         if "error" in answer:
