@@ -1,8 +1,8 @@
 """The other side of the topics, run by the Python of ROS: a base, a detector, a stop button.
 
 Told what to do by JSON lines on standard input, it says every velocity that it hears as a JSON line
-``[time, linear, angular]`` on standard output, with the time of the monotonic clock, which all
-processes of a machine share.
+``[time, linear, angular, stamp]`` on standard output, with the time of the monotonic clock, which
+all processes of a machine share.
 """
 
 import contextlib
@@ -16,6 +16,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Bool, String
 
 PERIOD_S = 0.05
@@ -34,6 +35,7 @@ class Peer(Node):
         self.detector = self.create_publisher(String, f"{name}/detections", 10)
         self.odometer = self.create_publisher(Odometry, f"{name}/platform/odom/filtered", 10)
         self.button = self.create_publisher(Bool, f"{name}/platform/emergency_stop", 10)
+        self.clock = self.create_publisher(Clock, "/clock", 10)
         self.create_timer(PERIOD_S, self.tick)
 
     def heard(self, message):
@@ -51,6 +53,10 @@ class Peer(Node):
             message.twist.twist.linear.x, message.twist.twist.angular.z = self.velocity
             message.pose.pose.orientation.w = 1.0
             self.odometer.publish(message)
+        if "clock" in told:
+            message = Clock()
+            message.clock.sec = told["clock"]
+            self.clock.publish(message)
         if "emergency" in told:
             self.button.publish(Bool(data=told["emergency"]))
 

@@ -30,9 +30,10 @@ def ros_python() -> str:
         pytest.skip(f"{error.message} ({error.hint})", allow_module_level=True)
 
 
-def private_ros() -> dict[str, str]:
-    """Variables that keep these tests' topics away from any others on this network and machine."""
+def private_ros(folder: Path) -> dict[str, str]:
+    """Variables that keep these tests' topics and logs away from any others on this machine."""
     return {
+        "ROS_LOG_DIR": str(folder),
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "ROS_DOMAIN_ID": str(1 + os.getpid() % 100),
     }
@@ -43,6 +44,7 @@ class Peer:
 
     def __init__(self, python: str, **settings: object) -> None:
         self.heard: list[tuple[float, float, float]] = []
+        self.stamps: list[int] = []
         self._process = subprocess.Popen(
             [python, str(HERE / "ros_peer.py"), json.dumps({"detections": EMPTY, **settings})],
             stdin=subprocess.PIPE,
@@ -98,3 +100,4 @@ class Peer:
                 self._ready.set()
             else:
                 self.heard.append(tuple(message[:3]))
+                self.stamps.append(message[3])

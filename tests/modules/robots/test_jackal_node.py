@@ -138,6 +138,23 @@ def test_a_reading(rig):
     assert (answer["name"], "value" in answer) == ("StaleReadingError", False)
 
 
+def test_at_rest_silence_is_no_reason_to_give_up(rig):
+    """An agent thinks for seconds between two commands."""
+    rig.ask("start")
+    rig.ask("command", linear=0.0, angular=0.0)
+    rig.see(Report(), age=9)
+    rig.driver.tick(time.monotonic() + 60)
+    rig.see(Report())
+    assert "error" not in rig.ask("command", linear=0.3, angular=0.0)
+
+
+def test_nothing_moves_off_while_a_detector_is_silent(rig):
+    rig.ask("start")
+    rig.see(Report(), age=9)
+    assert rig.ask("command", linear=0.0, angular=0.1)["name"] == "StaleReadingError"
+    assert set(rig.base.told) == {(0.0, 0.0)}
+
+
 def trouble(rig, what):
     match what:
         case "stale":

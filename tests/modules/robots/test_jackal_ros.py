@@ -13,7 +13,7 @@ import pytest
 
 from vaso import load_skill
 from vaso.errors import RobotError, StaleReadingError
-from vaso.execution import execute
+from vaso.execution import Robot, execute
 from vaso.modules.robots import JackalROS
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -24,10 +24,10 @@ PEOPLE = "yolo_listener('people')"
 
 
 @pytest.fixture(scope="module", autouse=True)
-def python():
+def python(tmp_path_factory):
     """The Python of ROS, with topics that nobody else hears."""
     with pytest.MonkeyPatch.context() as patch:
-        for name, value in private_ros().items():
+        for name, value in private_ros(tmp_path_factory.mktemp("ros")).items():
             patch.setenv(name, value)
         yield ros_python()
 
@@ -100,6 +100,12 @@ def test_late_periods_are_reported(robot):
     assert period.overrun >= 0.14
     assert period.seconds >= 0.25
     assert drive(robot, periods=1).seconds == pytest.approx(0.1, abs=0.05)
+
+
+def test_it_is_a_robot(robot):
+    assert isinstance(robot, Robot)
+    assert robot.health().ok
+    assert robot.health().details["listeners"] == 1
 
 
 def test_readings(robot, peer):
@@ -271,6 +277,19 @@ def test_twist_without_a_stamp(python):
     peer.until(peer.moves, "it does not move")
     robot.close()
     peer.until(lambda: not peer.moves(), "it goes on moving")
+    peer.close()
+
+
+@pytest.mark.slow
+def test_the_clock_of_a_simulator(python):
+    peer = Peer(python, topic="/sim/cmd_vel", clock=100)
+    url = "/sim/cmd_vel?use_sim_time=true"
+    robot = JackalROS(url, python=python, patience=PATIENCE_S)
+    robot.connect()
+    robot.start()
+    drive(robot)
+    peer.until(lambda: peer.stamps[-1:] == [100], "velocities have another time")
+    robot.close()
     peer.close()
 
 

@@ -96,7 +96,7 @@ class JackalDriver:
 
     def tick(self, now: float) -> None:
         """Look for reasons to stop, publish, and tell VASO."""
-        self._look(now)
+        self._look(now, self.watchdog.moving)
         self._publish(now)
         self._channel.send("state", **self.state(now))
 
@@ -152,7 +152,7 @@ class JackalDriver:
         self._stale = False
         self.watchdog.start(now)
         self._publish_until = float("inf")
-        self._look(now)
+        self._look(now, moving=False)
         self._publish(now)
         self._done(message, now)
 
@@ -162,9 +162,10 @@ class JackalDriver:
         self._channel.answer(message)
 
     def _command(self, message: Message, now: float) -> None:
-        self._look(now)
+        linear, angular = message["linear"], message["angular"]
+        self._look(now, moving=bool(linear or angular))
         try:
-            self.watchdog.command(message["linear"], message["angular"], now)
+            self.watchdog.command(linear, angular, now)
         except Refused as refused:
             name = "StaleReadingError" if self._stale else "RobotError"
             self._channel.refuse(message, str(refused), name=name)
@@ -181,15 +182,20 @@ class JackalDriver:
         else:
             self._channel.answer(message, value=value)
 
-    def _look(self, now: float) -> None:
-        """Stop the base if something is wrong that the plan may not know of."""
+    def _look(self, now: float, moving: bool) -> None:
+        """Stop the base if something is wrong that the plan may not know of.
+
+        Args:
+            now: The time.
+            moving: Whether the base moves, or is about to: at rest, nobody needs a detector.
+        """
         if self._base.emergency:
             self.watchdog.trip("the emergency stop is pressed")
         if self._base.problem:
             self.watchdog.trip(self._base.problem)
         if not self._base.listeners:
             self.watchdog.trip(f"nothing listens to {self._settings['velocity_topic']} any more")
-        if self._settings["needs_detections"]:
+        if moving and self._settings["needs_detections"]:
             try:
                 with self._lock:
                     self._detections.check(now)

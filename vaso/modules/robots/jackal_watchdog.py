@@ -21,7 +21,8 @@ class Refused(Exception):
 class Watchdog:
     """Passes the plan's velocity on while all is well, and zero for ever after it was not.
 
-    A reason to stop is latched: nothing but a new :meth:`start` moves the base again. Times are in
+    A reason to stop is latched: nothing but a new :meth:`start` moves the base again. A plan that
+    is silent while the base is at rest is no such reason: there is nothing to stop. Times are in
     seconds of a monotonic clock.
 
     Attributes:
@@ -65,6 +66,11 @@ class Watchdog:
         """The plan is alive, and its last command stays in force."""
         self._alive = max(self._alive, now)
 
+    @property
+    def moving(self) -> bool:
+        """Whether the velocity in force is not zero."""
+        return self._command != ZERO
+
     def trip(self, reason: str) -> None:
         """Stop, and stay stopped. The first reason is kept."""
         if self.running and not self.reason:
@@ -78,6 +84,6 @@ class Watchdog:
 
     def velocity(self, now: float) -> tuple[float, float]:
         """What to publish now (m/s, rad/s)."""
-        if self.running and not self.reason and now - self._alive > self.timeout:
+        if self.moving and now - self._alive > self.timeout:
             self.trip(f"the plan has given no sign of life for {now - self._alive:.2f} s")
-        return ZERO if self.reason or not self.running else self._command
+        return self._command
