@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from vaso.cli.bench_formulas import formulas
+from vaso.cli.bench_shield import shield
 from vaso.cli.benching import FOLDER, many, run_all
 from vaso.cli.common import JsonOption, console
 from vaso.cli.evidence import evidence, fuzz, mutation
@@ -31,6 +32,7 @@ app.command()(mutation)
 
 
 app.command()(many)
+app.command()(shield)
 
 
 @app.callback(invoke_without_command=True)

@@ -2,7 +2,8 @@
 
 The response of the platform bounds the motion under the commands so far (:mod:`vaso.dynamics`);
 each measurement narrows the bounds down to its accuracy. Where a measurement contradicts them, the
-vehicle is none of the class that the platform describes, and the measurement is believed.
+vehicle is none of the class that the platform describes, and the measurement is believed. Positions
+are always taken from the measurement, where there is one, since models of them drift.
 """
 
 from __future__ import annotations
@@ -95,7 +96,8 @@ class Estimate:
                 index = [*self.response.positions].index(name)
                 floor = -math.inf if place.floor is None else place.floor
                 value = max(value[0], floor), max(value[1], floor)
-                return replace(box, positions=_put(box.positions, index, value))
+                # Not narrowed down by the model: drift would hide behind it for a while.
+                return replace(box, positions=_replaced(box.positions, index, value))
             case Greatest(of=of):
                 index = [*self.response.positions].index(of)
                 return replace(box, highest=_put(box.highest, index, value))

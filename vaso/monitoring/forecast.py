@@ -100,27 +100,28 @@ class Forecaster:
         truth = self._platform.dynamics.truth(world)
         numbers = dict(bounds)
         for name, value in truth.items():
-            if isinstance(value, bool):
-                continue
-            if name in bounds:
-                numbers[name] = self._noticeable(name, bounds[name], value)
-            else:
-                corrected = value + self._errors.get(name, 0.0)
-                numbers[name] = min(value, corrected), max(value, corrected)
+            if not isinstance(value, bool):
+                low, high = self._number(name, value, bounds.get(name))
+                margin = self._platform.margins.get(name, 0.0)
+                numbers[name] = low - margin, high + margin
         return Phase(command, truth, numbers)
 
-    def _noticeable(self, name: str, bounds: Interval, value: float) -> Interval:
-        """Bounds on a speed without what is off by less than can be measured.
+    def _number(self, name: str, value: float, bounds: Interval | None) -> Interval:
+        """A number in a period, from its value in the model and what the response says of it.
 
-        Else a command at exactly the limit that a rule allows would never do, since some drift from
-        the period before is always possible.
+        A position is held about the model's too, since an adapter may steer there. Of a speed, what
+        is off by less than can be measured does not count: a command at exactly the limit that a
+        rule allows would never do, as some drift from the period before is always possible.
         """
         response = self._platform.response
         kind = response.quantities.get(name) if response else None
-        if not isinstance(kind, Speed | Velocity):
-            return bounds
-        margin = self._platform.accuracy.get(name, 0.0)
-        return min(value, bounds[0] + margin), max(value, bounds[1] - margin)
+        if bounds is None:
+            corrected = value + self._errors.get(name, 0.0)
+            return min(value, corrected), max(value, corrected)
+        if isinstance(kind, Speed | Velocity):
+            noise = self._platform.accuracy.get(name, 0.0)
+            return min(value, bounds[0] + noise), max(value, bounds[1] - noise)
+        return min(value, bounds[0]), max(value, bounds[1])
 
 
 def backups(command: Issued, safe: Issued) -> list[tuple[Issued, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
@@ -161,6 +162,16 @@ class Guarded:
             elif letters[0][index] != safe_letters[0][index]:
                 return False
         return True
+
+    def end(self, phases: Sequence[Phase]) -> float:
+        """By how much a comparison may still fail once the first period is over; negative is none.
+
+        It is infinite where the rule is not only about numbers.
+        """
+        compared_only = [a for a in self.monitor.atoms if isinstance(a, Comparison)]
+        if not self.robust or len(compared_only) != len(self.monitor.atoms):
+            return math.inf
+        return max(_excess(atom, phases[1:] or phases) for atom in compared_only)
 
     def troubles(self, phases: Sequence[Phase]) -> Iterator[tuple[Comparison, int]]:
         """Comparisons that may become false, each with the phase in which they first may."""

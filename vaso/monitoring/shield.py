@@ -159,20 +159,29 @@ class Shield:
             self.platform, self._world, self._estimate, self._errors, self._late
         )
         option = self._best(forecaster, command, _name(api))
-        if command == safe or not option.losses:
+        if not option.losses:
             return Ruling(command)
         resort = self._option(forecaster, (safe,), "")
-        if self._excused(option, resort):
+        chosen = self._recovery(forecaster, resort)
+        if self._excused(option, resort) and (
+            chosen is None or self._end(option, resort) <= max(0.0, self._end(chosen, resort))
+        ):
             return Ruling(command)
-        chosen = self._replacement(forecaster, resort)
-        guarded = self._rules[self._culprit(option, resort)]
-        remaining = sorted({str(self._rules[i].rule) for i, _ in chosen.losses})
-        intervention = Intervention(
-            wanted=api or str(command),
+        chosen = chosen or self._replacement(forecaster, resort)
+        return Ruling(chosen.command, self._intervention(option, resort, chosen, api))
+
+    def _intervention(
+        self, option: _Option, resort: _Option, chosen: _Option, api: str
+    ) -> Intervention:
+        # The rule to name: the first that the safe command would keep.
+        culprit = min(i for i, _ in (option.losses - resort.losses) or option.losses)
+        guarded = self._rules[culprit]
+        remaining = sorted({self._rules[i].rule.text for i, _ in chosen.losses})
+        return Intervention(
+            wanted=api or str(option.command),
             rule=guarded.rule.text,
             reason=reason_for(guarded, option.phases, chosen.command, remaining),
         )
-        return Ruling(chosen.command, intervention)
 
     def _best(self, forecaster: Forecaster, command: Issued, api: str) -> _Option:
         """The command with the backup that loses least."""
@@ -196,6 +205,26 @@ class Shield:
                 return option
         return resort
 
+    def _recovery(self, forecaster: Forecaster, resort: _Option) -> _Option | None:
+        """A command that leads back to where rules can be kept, where the safe one does not."""
+        if not resort.losses:
+            return None
+        safe, best = self.platform.safe_command, None
+        for command in self.platform.recoveries:
+            option = self._option(forecaster, (command, safe), "")
+            if not self._excused(option, resort):
+                continue
+            end = self._end(option, resort)
+            if end < 0.0:
+                return option
+            if end < self._end(best or resort, resort):
+                best = option
+        return best
+
+    def _end(self, option: _Option, resort: _Option) -> float:
+        """By how much rules that the safe command may lose may still fail after the period."""
+        return max(self._rules[i].end(option.phases) for i, _ in resort.losses)
+
     def _option(self, forecaster: Forecaster, commands: Sequence[Issued], api: str) -> _Option:
         phases = forecaster.run(commands)
 
@@ -216,6 +245,8 @@ class Shield:
 
     def _excused(self, option: _Option, resort: _Option) -> bool:
         """True where the safe command would lose the same, and no less of it."""
+        if option.command == resort.command:
+            return True
         if not option.losses <= resort.losses:
             return False
         return all(
@@ -224,10 +255,6 @@ class Shield:
             )
             for i in {i for i, _ in option.losses}
         )
-
-    def _culprit(self, option: _Option, resort: _Option) -> int:
-        """The rule to name: the first that the safe command would keep."""
-        return min(i for i, _ in (option.losses - resort.losses) or option.losses)
 
     # --- the run ---------------------------------------------------------------------------------
 

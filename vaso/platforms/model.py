@@ -20,6 +20,10 @@ Value: TypeAlias = float | tuple[float, ...]
 """A command's argument: a number, or a vector such as a NED velocity."""
 
 
+Error: TypeAlias = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+"""A bound on an error: finite, not negative."""
+
+
 class Issued(BaseModel):
     """A low-level command as it goes out to the robot.
 
@@ -193,8 +197,12 @@ class Platform(BaseModel):
             about what happens there.
         safe: The command that a run-time shield sends instead of one that would break a rule, and
             that may stay in force for ever; None for ``rest``.
-        accuracy: For numeric propositions: by how much a measured value may be off, in their unit,
-            errors of the response's model included. 0 where nothing is said.
+        recoveries: Commands that the shield may send for a period where even the safe command would
+            not keep a rule, such as a slow descent near a limit of altitude; mildest first.
+        accuracy: For numeric propositions: by how much a measured value may be off, in their unit;
+            0 where nothing is said.
+        margins: For numeric propositions: by how much the true value may be beyond what dynamics
+            and response foretell, in their unit; 0 where nothing is said.
     """
 
     model_config = ConfigDict(frozen=True, arbitrary_types_allowed=True)
@@ -213,9 +221,9 @@ class Platform(BaseModel):
     previous_names: tuple[str, ...] = ()
     response: Response | None = None
     safe: Issued | None = None
-    accuracy: Mapping[str, Annotated[float, Field(ge=0, allow_inf_nan=False)]] = Field(
-        default_factory=dict
-    )
+    recoveries: tuple[Issued, ...] = ()
+    accuracy: Mapping[str, Error] = Field(default_factory=dict)
+    margins: Mapping[str, Error] = Field(default_factory=dict)
 
     registry: ClassVar[dict[str, str]] = {
         "jackal": "vaso.platforms.jackal",

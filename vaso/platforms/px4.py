@@ -93,7 +93,8 @@ platform = Platform(
     ),
     dynamics=Px4Dynamics(),
     response=RESPONSE,
-    accuracy={"altitude": 0.3, "max_altitude": 0.3, "linear_velocity": 0.1},
+    recoveries=tuple(VELOCITY.issue(((0.0, 0.0, down),), {}) for down in (0.3, 1.0)),
+    accuracy={"altitude": 0.3, "max_altitude": 0.3, "linear_velocity": 0.1},  # of the estimator
     trajectory="set_velocity",
     history_names=("plan", "trajectory", "traj", "vel_traj", "velocities", "history"),
     current_names=("v", "velocity", "current", "curr", "vel", "cmd"),
