@@ -74,7 +74,8 @@ def setup(
             raise RobotError("the px4 needs pymavlink, in this environment", hint=needs)
         _tell({"robot": "px4", "ready": True}, "px4: pymavlink is here; nothing to set up", as_json)
         return
-    from vaso.modules.robots.ros_environment import set_up_ros, use_ros
+    from vaso.modules.robots.ros_environment import use_ros
+    from vaso.modules.robots.ros_setup import set_up_ros
 
     if path is not None and python is not None:
         raise RobotError("--path makes an environment and --python uses one", hint="choose one")
