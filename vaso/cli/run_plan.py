@@ -105,7 +105,7 @@ def run(
         emit(_data(done, watching.watch, path))
     else:
         console().print(summary(done, watching.watch, machine.platform, path))
-    _draw(done, machine, picture, animation)
+    _draw(done, machine, picture, animation, chosen)
     leave(_exit_code(done, watching.watch))
 
 
@@ -212,8 +212,10 @@ def _exit_code(log: RunLog, watch: Watch) -> ExitCode:
     return ExitCode.REFUTED if failed else ExitCode.HOLDS
 
 
-def _draw(log: RunLog, robot: Robot, picture: Path | None, animation: Path | None) -> None:
+def _draw(
+    log: RunLog, robot: Robot, picture: Path | None, animation: Path | None, skill: Skill
+) -> None:
     if picture or animation:
         from vaso.simulation import drawing
 
-        drawing.draw(log, robot, picture=picture, animation=animation)
+        drawing.draw(log, robot, picture=picture, animation=animation, skill=skill)
