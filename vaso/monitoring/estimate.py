@@ -9,7 +9,7 @@ are always taken from the measurement, where there is one, since models of them 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from typing import TypeVar
 
@@ -17,7 +17,18 @@ from vaso.dynamics.commands import setpoints_of
 from vaso.dynamics.interval import Interval, hull
 from vaso.dynamics.period import Box, Period, SetPoints, at_rest
 from vaso.dynamics.vehicles import whole
-from vaso.platforms import Channel, Greatest, Issued, Platform, Position, Response, Speed, Velocity
+from vaso.platforms import (
+    Channel,
+    Greatest,
+    Issued,
+    Platform,
+    Position,
+    Response,
+    SetPoint,
+    Speed,
+    Velocity,
+)
+from vaso.platforms.response import Quantity
 
 __all__ = ["Estimate"]
 
@@ -28,33 +39,48 @@ class Estimate:
     """Bounds on the motion of a robot. Values; a step makes a new one.
 
     Args:
-        platform: The platform, which has a response.
-        box: The bounds; by default those at rest.
+        response: The part of the platform's response that matters.
+        accuracy: By how much measured numbers may be off.
+        box: The bounds.
         before: The measurements before.
     """
 
     def __init__(
         self,
-        platform: Platform,
-        box: Box | None = None,
-        before: Mapping[str, float] | None = None,
+        response: Response,
+        accuracy: Mapping[str, float],
+        box: Box,
+        before: Mapping[str, float],
     ) -> None:
-        assert platform.response is not None
-        self.platform = platform
-        self.response: Response = platform.response
-        self._constants = whole(self.response)
-        rest = setpoints_of(platform.rest, self.response)
-        assert rest is not None, "the response does not say what the rest command means"
-        self.box = box or at_rest(self.response, rest)
-        self._before = dict(before or {})
+        self.response = response
+        self.box = box
+        self._accuracy = accuracy
+        self._constants = whole(response)
+        self._before = before
+        self._bounds: dict[tuple[SetPoints, float, float], dict[str, Interval]] = {}
+        self._after: dict[tuple[SetPoints, float, float], Estimate] = {}
 
-    @staticmethod
-    def fits(platform: Platform) -> bool:
-        """Whether a platform's response says what its rest and safe commands mean."""
+    @classmethod
+    def at_rest(cls, platform: Platform, names: Collection[str]) -> Estimate | None:
+        """What is known before the first command.
+
+        Args:
+            platform: The platform.
+            names: The numbers of interest.
+
+        Returns:
+            None where the platform's response says nothing about them, or nothing about what its
+            rest and safe commands mean.
+        """
         response = platform.response
-        return response is not None and all(
-            setpoints_of(c, response) is not None for c in (platform.rest, platform.safe_command)
-        )
+        moving = [n for n in names if response and _moves(response.quantities.get(n))]
+        if response is None or not moving:
+            return None
+        part = response.only(moving)
+        found = [setpoints_of(c, part) for c in (platform.rest, platform.safe_command)]
+        if found[0] is None or found[1] is None:
+            return None
+        return cls(part, platform.accuracy, at_rest(part, found[0]), {})
 
     def setpoints(self, command: Issued) -> SetPoints | None:
         """The set-points of a command; None where the response does not know it."""
@@ -62,14 +88,20 @@ class Estimate:
 
     def bounds(self, setpoints: SetPoints, begin: float, end: float) -> dict[str, Interval]:
         """Every moving number between two times of the period that begins now."""
-        return self._period(setpoints).values(begin, end)
+        key = setpoints, begin, end
+        if key not in self._bounds:
+            self._bounds[key] = self._period(setpoints).values(begin, end)
+        return self._bounds[key]
 
     def after(self, setpoints: SetPoints, least: float, most: float) -> Estimate:
         """The bounds after a period whose length is between two values."""
-        period = self._period(setpoints)
-        box = period.end(least)
-        box = box if least == most else box.joined(period.end(most))
-        return Estimate(self.platform, box, self._before)
+        key = setpoints, least, most
+        if key not in self._after:
+            period = self._period(setpoints)
+            box = period.end(least)
+            box = box if least == most else box.joined(period.end(most))
+            self._after[key] = Estimate(self.response, self._accuracy, box, self._before)
+        return self._after[key]
 
     def measured(self, values: Mapping[str, float], seconds: float) -> Estimate:
         """The bounds with what was measured now.
@@ -81,9 +113,9 @@ class Estimate:
         known = {n: v for n, v in values.items() if math.isfinite(v)}
         box = self._with_rates(self.box, known, seconds)
         for name, value in known.items():
-            margin = self.platform.accuracy.get(name, 0.0)
+            margin = self._accuracy.get(name, 0.0)
             box = self._with(box, name, (value - margin, value + margin))
-        return Estimate(self.platform, self._with_aims(box), known)
+        return Estimate(self.response, self._accuracy, self._with_aims(box), known)
 
     # --- one measurement -------------------------------------------------------------------------
 
@@ -146,7 +178,7 @@ class Estimate:
             before, now = self._before.get(name), values.get(name)
             if before is None or now is None or seconds <= 0.0:
                 continue
-            margin = self.platform.accuracy.get(name, 0.0) / seconds
+            margin = self._accuracy.get(name, 0.0) / seconds
             rate = (now - before) / seconds / place.factor
             index = self._index(place.channel)
             low, high = box.velocities[index][place.component]
@@ -186,6 +218,11 @@ class Estimate:
 
     def _channel(self, name: str) -> Channel:
         return self.response.channels[self._index(name)]
+
+
+def _moves(quantity: Quantity | None) -> bool:
+    """Whether the response bounds a number between samples."""
+    return quantity is not None and not isinstance(quantity, SetPoint)
 
 
 def _put(intervals: tuple[Interval, ...], index: int, value: Interval) -> tuple[Interval, ...]:

@@ -8,7 +8,7 @@ bounds on numbers for every instant and every vehicle of the platform's class.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from vaso.dynamics.interval import Interval
@@ -124,15 +124,14 @@ class Forecaster:
         return min(value, bounds[0]), max(value, bounds[1])
 
 
-def backups(command: Issued, safe: Issued) -> list[tuple[Issued, ...]]:
+def backups(command: Issued, safe: Issued) -> Iterator[tuple[Issued, ...]]:
     """What may follow a command: the safe one at once, or after some steps towards it."""
-    found: list[tuple[Issued, ...]] = [(safe,)]
+    yield (safe,)
     if command == safe or not _alike(command, safe):
-        return found
+        return
     for steps in RAMPS:
         shares = [i / steps for i in range(1, steps)]
-        found.append((*(_between(command, safe, share) for share in shares), safe))
-    return found
+        yield (*(_between(command, safe, share) for share in shares), safe)
 
 
 def _alike(one: Issued, other: Issued) -> bool:

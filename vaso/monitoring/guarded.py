@@ -64,6 +64,12 @@ class Guarded:
         self._possible: frozenset[Situation] = frozenset({self.monitor.start})
         self._lost: dict[tuple[frozenset[Situation], tuple[Partial, ...]], frozenset[Guess]] = {}
 
+    @property
+    def numbers(self) -> frozenset[str]:
+        """The numeric propositions that are read as "throughout the period"."""
+        compared_ones = [a for a in self.monitor.atoms if isinstance(a, Comparison)]
+        return frozenset(n for a in compared_ones for n in names_in(a) if self.robust)
+
     # --- the run so far --------------------------------------------------------------------------
 
     def observe(self, labels: Mapping[str, Label], model: Mapping[str, Label]) -> bool:
@@ -120,6 +126,11 @@ class Guarded:
                 self._lost.clear()
             known = self._lost[key] = frozenset(self._losing(letters))
         return known
+
+    def loses_at_once(self, letters: tuple[Partial, ...]) -> bool:
+        """Whether the rule may be lost in the next state already, whatever follows it."""
+        reached = self.monitor.all_after(self._possible, letters[0])
+        return any(self.monitor.truth(s) is Truth.VIOLATED for s in reached)
 
     def _losing(self, letters: tuple[Partial, ...]) -> Iterator[Guess]:
         first, rest = letters[0], letters[1:]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 from vaso.errors import FormulaError, VasoError
 from vaso.execution.record import Intervention
@@ -100,7 +101,8 @@ class Shield:
         self._truths = {name for name, value in truth.items() if isinstance(value, bool)}
         self._actions = self._unknown_actions(skill)
         self._world = platform.dynamics.initial()
-        self._estimate = Estimate(platform) if Estimate.fits(platform) else None
+        numbers = {n for guarded in self._rules for n in guarded.numbers}
+        self._estimate = Estimate.at_rest(platform, numbers)
         self._errors: dict[str, float] = {}
         self._in_force = platform.rest
         self._api = ""
@@ -190,16 +192,21 @@ class Shield:
             option = self._option(forecaster, (command, *tail), api)
             if not option.losses:
                 return option
+            if found is None and self._is_lost_at_once(option):
+                return option  # no other backup can help
             if found is None or len(option.losses) < len(found.losses):
                 found = option
         assert found is not None
         return found
 
+    def _is_lost_at_once(self, option: _Option) -> bool:
+        return any(self._rules[i].loses_at_once(option.letters[i]) for i, _ in option.losses)
+
     def _replacement(self, forecaster: Forecaster, resort: _Option) -> _Option:
         """The safe command, or where it breaks a rule itself, a step towards it that does not."""
         if not resort.losses:
             return resort
-        for tail in backups(self._in_force, self.platform.safe_command)[1:]:
+        for tail in islice(backups(self._in_force, self.platform.safe_command), 1, None):
             option = self._option(forecaster, tail, "")
             if not option.losses:
                 return option
