@@ -8,7 +8,13 @@ __all__ = ["ACTIVITY", "INK", "PEOPLE", "SEEN", "SOFT", "SOLID"]
 
 INK, SOFT = LIGHT["ink"], LIGHT["soft"]
 PEOPLE = "#d95f02"
-SOLID = {"wall": INK, "furniture": "#d8c9b0", "object": "#9d738f", "edge": "#8a7656"}
+SOLID = {
+    "wall": INK,
+    "furniture": "#d8c9b0",
+    "edge": "#8a7656",
+    "object": "#9d738f",
+    "view": LIGHT["accent"],
+}
 SEEN = {"person": PEOPLE, "obstacle": "#713d05"}
 
 ACTIVITY = {

@@ -182,6 +182,7 @@ class JackalSim:
             dt=self.platform.dt,
             radius=RADIUS,
             moments=tuple(self._moments),
+            camera=self.camera,
         )
 
     def _check_start(self) -> None:

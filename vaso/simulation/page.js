@@ -77,6 +77,16 @@ function grid(at) {
     line([[at.x(left), at.y(v)], [at.x(right), at.y(v)]], LIGHT, 1);
 }
 
+function drawView(at, x, y, heading) {
+  const half = (run.camera[0] * Math.PI) / 360;
+  pen.beginPath();
+  pen.moveTo(at.x(x), at.y(y));
+  pen.arc(at.x(x), at.y(y), run.camera[1] * at.zoom, -heading - half, -heading + half);
+  pen.closePath();
+  pen.fillStyle = run.colours.view + "18";
+  pen.fill();
+}
+
 function drawGround(at, number) {
   const point = ([x, y]) => [at.x(x), at.y(y)];
   const things = run.colours;
@@ -95,8 +105,11 @@ function drawGround(at, number) {
     const a = run.frames[i - 1], b = run.frames[i];
     if (a[1] !== b[1] || a[2] !== b[2])
       line([point([a[1], a[2]]), point([b[1], b[2]])], run.colours[run.did[i]] || INK, 3);
+    else if (run.did[i] && run.did[i] !== "stands" && run.did[i] !== run.did[i - 1])
+      disc(at.x(b[1]), at.y(b[2]), 4, run.colours[run.did[i]], "#fff");
   }
   const [, x, y, heading, people, , contact] = run.frames[number];
+  drawView(at, x, y, heading);
   people.forEach((spot, i) => {
     if (!spot) return;
     disc(at.x(spot[0]), at.y(spot[1]), 0.25 * at.zoom, run.colours.people + "99", run.colours.people);
@@ -145,7 +158,7 @@ function show() {
   byId("time").value = number;
   byId("call").textContent = call + (planLine ? `  (line ${planLine})` : "");
   byId("did").textContent = run.did[number] || "is at rest";
-  byId("seen").textContent = isGround ? frame[5].join(", ") || "nothing" : "–";
+  if (isGround) byId("seen").textContent = frame[5].join(", ") || "nothing";
   byId("shield").textContent = shield || "–";
   byId("measured").textContent = isGround
     ? `${frame[7].toFixed(2)} m/s`
@@ -171,6 +184,7 @@ function toggle() {
   requestAnimationFrame(tick);
 }
 
+if (!isGround) byId("seen").parentElement.remove();
 byId("time").max = run.frames.length - 1;
 byId("time").oninput = (event) => { now = Number(event.target.value) * run.dt; show(); };
 byId("play").onclick = toggle;

@@ -55,6 +55,7 @@ def _ground(truth: GroundTruth) -> dict[str, Any]:
         "view": ground_picture.view_of(truth),
         "dt": truth.dt,
         "footprint": FOOTPRINT,
+        "camera": [truth.camera.field_of_view, truth.camera.distance],
         "walls": scene.wall_segments,
         "rooms": [
             [r.name, min(p[0] for p in r.polygon), max(p[1] for p in r.polygon)]

@@ -8,6 +8,7 @@ from typing import TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from vaso.simulation.camera import Camera
 from vaso.simulation.geometry import Point
 from vaso.simulation.scene import AirScene, Scene
 
@@ -69,6 +70,7 @@ class GroundTruth(_Model):
         dt: Control period in seconds.
         radius: Of the robot's footprint in metres.
         moments: From the start on.
+        camera: What the robot looked with.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="strings")
@@ -77,6 +79,7 @@ class GroundTruth(_Model):
     dt: float
     radius: float
     moments: tuple[GroundMoment, ...]
+    camera: Camera = Camera()
 
     @property
     def path(self) -> tuple[Point, ...]:
