@@ -13,6 +13,7 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
+from vaso.cli.bench_completion import completion
 from vaso.cli.bench_formulas import formulas
 from vaso.cli.bench_shield import shield
 from vaso.cli.benching import FOLDER, many, run_all
@@ -33,6 +34,7 @@ app.command()(mutation)
 
 app.command()(many)
 app.command()(shield)
+app.command()(completion)
 
 
 @app.callback(invoke_without_command=True)

@@ -168,7 +168,11 @@ class SquarePath(Clause):
 
     def judge(self, run: GroundTruth) -> Found:
         """Judge a run."""
-        corners = corners_of([m.at for m in moving(run)], 0.2 * self.side)
+        path = [m.at for m in moving(run)]
+        gap = math.dist(path[0], path[-1])
+        if gap > 2 * self.within:
+            return Found(False, f"ends {gap:.2f} m from where the square began")
+        corners = corners_of(path, 0.2 * self.side)
         sides = sides_of(corners)
         told = f"drives {len(sides)} sides of {', '.join(f'{s:.2f}' for s in sides)} m"
         is_square = len(sides) == 4 and is_right_angled(corners)
