@@ -99,9 +99,9 @@ def _rules(runs: Simulation) -> Table:
 
 def faults(trial: Trial) -> Iterator[str]:
     """What a run did not do, or did against the rules, in words."""
-    if trial.outcome == "aborted":
+    if trial.reason and not trial.is_complete:
         yield trial.reason
-    yield from (clause.told for clause in trial.clauses if not clause.is_true)
+    yield from dict.fromkeys(clause.told for clause in trial.clauses if not clause.is_true)
     for rule in trial.rules:
         if rule.outcome != "kept":
             yield f"{_broken(trial, rule)}: {rule.english}"
