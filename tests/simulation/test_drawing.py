@@ -119,7 +119,7 @@ def test_a_picture_names_what_is_on_it(drive, flight):
     pytest.importorskip("matplotlib")
     told = texts(drawing.picture(drive.truth, log_of(drive)))
     assert told >= {"chair", "backpack", "lab", "Ada", "start", "end", "people reported"}
-    assert told >= {"drives", "turns left", "contact", "shield", "people's paths"}
+    assert told >= {"drives", "turns left", "touches", "shield", "people's paths"}
     told = texts(drawing.picture(flight.truth, log_of(flight), skill=SKILL))
     assert told >= {"limit of the rules: 10 m", "climbs", "flies", "lands", "shield"}
     assert "limit of the rules: 10 m" not in texts(drawing.picture(flight.truth))

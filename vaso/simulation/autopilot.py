@@ -124,12 +124,11 @@ class TakeOff:
 
 def _capped(setpoint: Vector, correction: Vector, speed: float) -> Vector:
     """A set-point with as much of a correction as the speed allows, but never without itself."""
-    limit = max(speed * speed, sum(s * s for s in setpoint))
-    square = sum(c * c for c in correction)
-    cross = sum(s * c for s, c in zip(setpoint, correction, strict=True))
-    over = sum(s * s for s in setpoint) - limit
+    (n, e, d), (x, y, z) = setpoint, correction
+    own = n * n + e * e + d * d
+    square, cross = x * x + y * y + z * z, n * x + e * y + d * z
+    over = own - max(speed * speed, own)
     part = 1.0
     if over + 2 * cross + square > 0:
         part = (-cross + math.sqrt(max(0.0, cross * cross - square * over))) / square
-    north, east, down = (s + part * c for s, c in zip(setpoint, correction, strict=True))
-    return (north, east, down)
+    return (n + part * x, e + part * y, d + part * z)

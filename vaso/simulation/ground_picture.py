@@ -42,7 +42,7 @@ def draw_ground(figure: Any, truth: GroundTruth, log: RunLog | None) -> None:
     _draw_robot(chart, truth.moments[-1], "#ffffff")
     _draw_events(chart, truth, log)
     _draw_time(line, truth, seen)
-    figure.legend(loc="outside lower center", ncols=6, frameon=False, fontsize=8.5)
+    figure.legend(loc="outside lower center", ncols=8, frameon=False, fontsize=8.5)
 
 
 def view_of(truth: GroundTruth) -> tuple[Point, Point]:
@@ -131,6 +131,8 @@ def _draw_path(axes: Any, truth: GroundTruth) -> None:
         if span.what in ("drives", "backs up"):
             xs, ys = zip(*(m.at for m in moments), strict=True)
             axes.plot(xs, ys, color=colour, linewidth=2.4, label=label, zorder=4)
+        elif span.what == "touches":
+            continue  # marked as an event
         elif span.what != "stands" or _duration(truth, span) >= _LONG_STAND:
             size = 5 if span.what != "stands" else 9
             style = {"marker": "o", "linestyle": "none", "markersize": size, "zorder": 5}
@@ -161,7 +163,7 @@ def _draw_events(axes: Any, truth: GroundTruth, log: RunLog | None) -> None:
     if truth.contacts:
         xs, ys = zip(*(m.at for m in truth.contacts), strict=True)
         style = {"marker": "x", "linestyle": "none", "markersize": 9, "mew": 2.2, "zorder": 8}
-        axes.plot(xs, ys, color=ACTIVITY["touches"], label="contact", **style)
+        axes.plot(xs, ys, color=ACTIVITY["touches"], label="touches", **style)
     steps = {r.step for r in log.records if r.intervention} if log else set()
     spots = [m.at for m in truth.moments if m.step in steps]
     if spots:

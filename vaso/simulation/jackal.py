@@ -219,16 +219,27 @@ class JackalSim:
         for walker in self._walkers:
             walker.walk(self.platform.dt, self._pose.at)
         contact = ""
-        seconds = self.platform.dt / _SUBSTEPS
         near = self._near()
-        for _ in range(_SUBSTEPS):
-            contact = self._move(seconds, near) or contact
+        is_steady = self._velocity == self._command and not near and not self._is_near_people()
+        count = 1 if is_steady else _SUBSTEPS  # an arc at constant velocity is exact in one step
+        for _ in range(count):
+            contact = self._move(self.platform.dt / count, near) or contact
         self._note(contact)
 
     def _near(self) -> list[Solid]:
         """What could be touched in this period."""
+        return self.world.near(self._pose.at, RADIUS + self._reach)
+
+    def _is_near_people(self) -> bool:
+        reach = RADIUS + PERSON_RADIUS + self._reach
+        spots = (w.at for w in self._walkers)
+        return any(math.dist(at, self._pose.at) <= reach for at in spots if at is not None)
+
+    @property
+    def _reach(self) -> float:
+        """How far the robot can come in a period, in metres."""
         fastest = max(abs(self._velocity[0]), abs(self._command[0])) * self._gains[0]
-        return self.world.near(self._pose.at, RADIUS + fastest * self.platform.dt + 0.01)
+        return fastest * self.platform.dt + 0.01
 
     def _move(self, seconds: float, near: list[Solid]) -> str:
         """One sub-step. Returns what is touched."""
