@@ -159,6 +159,16 @@ def test_prompts_of_the_drone(prompt):
         ("Wait until further notice", {"target": None}),
         ("Find out where the door is", {"target": None}),
         ("move backward 2 meters", {"distance_m": None, "legs": ()}),
+        ("drive half a meter", {"distance_m": 0.5}),
+        ("two and a half meters", {"distance_m": 2.5}),
+        ("Travel twenty meters", {"distance_m": 20.0}),
+        ("turn left by forty-five degrees", {"turn_deg": 45.0}),
+        ("Rotate in place 360 degrees", {"turn_deg": 360.0}),
+        ("Fly a 3x3 m square, 5 m high", {"side_m": 3.0, "altitude_m": 5.0}),
+        ("an anticlockwise square, 5 m per side", {"side_m": 5.0, "clockwise": False}),
+        ("a square whose sides are 3 meters long", {"side_m": 3.0}),
+        ("speed limit = 0.6 m/s", {"speed_mps": 0.54}),
+        ("Seek out a bottle", {"target": "bottle"}),
     ],
 )
 def test_other_wordings(prompt, expected):
@@ -184,6 +194,9 @@ def test_no_quantity_is_invented(prompt):
         ("Go forward 2 meters and turn left 90 degrees, four times", [(2, 90)] * 4),
         ("make a u-turn and drive 3 meters", [(0, 180), (3, 0)]),
         ("Drive 3 m, go 2 meters back", [(3, 0)]),
+        ("Go 4 m, then left, then 2 m", [(4, 90), (2, 0)]),
+        ("Zigzag with 60 degree turns, left and right, every 2 m", [(2, 60), (2, -60)] * 2),
+        ("2 m at a time, alternating 30 degree left and right turns", [(2, 30), (2, -30)]),
     ],
 )
 def test_routes(prompt, legs):
@@ -205,6 +218,11 @@ def test_routes(prompt, legs):
 def test_the_way_to_a_place_is_a_distance(prompt, legs):
     places = {"doorway": 4.0, "hallway entrance": 3.5}
     assert read_quantities(prompt, places).legs == tuple(Leg(*leg) for leg in legs)
+
+
+@pytest.mark.parametrize("text", ["2 m ", "left ", "a ", "to the ", "wait ", "3 by ", "max ", "search ", "find "])
+def test_long_prompts_take_no_time(text):
+    read_quantities(text * 3000)
 
 
 def test_three_distances_stay_three_legs():

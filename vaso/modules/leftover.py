@@ -19,6 +19,7 @@ from vaso.modules.quantities import (
     SHAPE,
     TIMES,
     ZIG_ZAG,
+    metres_in,
     phrases_of,
 )
 from vaso.modules.targets import target_span
@@ -48,12 +49,12 @@ PLAIN = stems(
     "maintain use using limit motion speed velocity maximum minimum most least about approximately "
     "remain hold gently directly exactly nearly alternate total leg and moving whenever clear "
     "until reach arrive steady constant environment surroundings "
-    "immediately instantly"
+    "immediately instantly explore loop round ground whose long first third place"
 )
 """Words of motion that every template answers by itself."""
 OBSTACLES = stems(
     "obstacle object thing furniture furnishing chair stool table desk sofa couch bench bed shelf "
-    "cabinet box crate carton block obstruct avoid"
+    "cabinet box crate carton block obstruct avoid anything everything"
 )
 """Words for what a detector of obstacles reports."""
 CONSTANTS = {
@@ -91,10 +92,15 @@ def left_out(
     covered, unplaced = _covered(prompt, used, places)
     known = stems(f"{skill.name} {skill.description} {skill.plan_template}") | PLAIN
     known |= OBSTACLES if "obstacle" in skill.labelling_code else frozenset()
+    turns = {"left", "right"} if re.search(r"\blegs\b", skill.plan_template) else set()
+
+    def is_plain(word: str) -> bool:
+        return word.lower() not in turns and _is_plain(word, known)
+
     words = list(WORD.finditer(prompt))
     strange = [
         _inside(word.span(), unplaced)
-        or not (_inside(word.span(), covered) or _is_plain(word.group(0), known))
+        or not (_inside(word.span(), covered) or is_plain(word.group(0)))
         for word in words
     ]
     return tuple(_chunks(prompt, words, strange))
@@ -108,6 +114,7 @@ def _covered(
     unplaced: list[Span] = []
     for phrase in phrases_of(prompt, places):
         is_used = any(name in used for name in CONSTANTS[phrase.kind])
+        is_used |= phrase.kind == "distance" and metres_in(phrase.text) == used.get("side_m")
         (covered if is_used else unplaced).append((phrase.start, phrase.end))
     if "TARGET" in used and (span := target_span(prompt)):
         covered.append(span)
@@ -118,7 +125,7 @@ def _covered(
 
 def _is_plain(word: str, known: frozenset[str]) -> bool:
     parts = word.lower().split("-")
-    return all(part in JOINING or stems(part) <= known for part in parts)
+    return all(part in JOINING or frozenset() < stems(part) <= known for part in parts)
 
 
 def _inside(span: Span, covered: Sequence[Span]) -> bool:

@@ -9,25 +9,30 @@ import re
 from collections.abc import Collection, Iterator
 from typing import NamedTuple
 
-WORDS = (
-    "zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten",
-    "eleven", "twelve",
-)  # fmt: skip
+_SMALL = (
+    "zero one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen "
+    "sixteen seventeen eighteen nineteen twenty"
+)
+WORDS = {word: float(value) for value, word in enumerate(_SMALL.split())}
+WORDS |= {"thirty": 30.0, "forty": 40.0, "forty-five": 45.0, "sixty": 60.0, "ninety": 90.0}
+"""Numbers in words."""
 
-NUMBER = rf"(?<![\w.])(?:\d+(?:\.\d+)?|\.\d+|{'|'.join(sorted(WORDS, key=len, reverse=True))})"
+_NAMED = "|".join(sorted(WORDS, key=len, reverse=True))
+PLAIN_NUMBER = rf"(?:\d+(?:\.\d+)?|\.\d+|(?:{_NAMED})(?:\s+and\s+a\s+half)?|half\s+an?)"
+NUMBER = rf"(?<![\w.]){PLAIN_NUMBER}"
 UNITS = r"(?:met(?:er|re)s?|m|centimet(?:er|re)s?|cm|kilomet(?:er|re)s?|km|feet|foot|ft)"
 MORE = r"(?:\s+(?:more|further|additional))?"
-LENGTH = rf"{NUMBER}{MORE}[\s-]*{UNITS}\b(?!\s*(?:/|per\b))"
+LENGTH = rf"{NUMBER}{MORE}[\s-]*{UNITS}\b(?!\s*(?:/|per\s+(?:s|sec|second|h|hr|hour)\b))"
 SPEED = rf"{NUMBER}\s*(?:mps|kph|{UNITS}\s*(?:/|per)\s*(?:seconds?|sec|s|hours?|hr|h))\b"
 ANGLE = rf"{NUMBER}[\s-]*(?:degrees?|deg\b|°)"
 SECONDS = rf"{NUMBER}[\s-]*(?:seconds?|secs?|s)\b"
 SIDE = r"(?:to\s+(?:the|your)\s+)?(?:left|right|anti-?clockwise|counter-?\s?clockwise|clockwise)\b"
-TURN = r"\b(?:turn|rotat|pivot|spin|yaw)(?:e|s|es|ed|ing)?\b"
+TURN = r"\b(?:turn|rotat|pivot|spin|yaw)(?:e|s|es|ed|ing)?\b(?:\s+(?:in\s+place|on\s+the\s+spot))?"
 PAUSE = r"\b(?:paus|wait|hover|hold|rest|stay)\w*"
 BELOW = (
     r"\b(?:below|under|(?:less|slower)\s+than|at\s+most|up\s+to|no(?:t)?\s+(?:more|faster)\s+than"
     r"|(?:not|never|without)\s+(?:exceed|reach)\w*|(?:limit|cap|restrict)\w*(?:\s+\w+){0,3}?"
-    r"\s+(?:to|at)|max(?:imum|imal)?(?:\s+(?:speed|velocity|of|is|at))*)\s*[:=]?\s+"
+    r"\s+(?:to|at)|limit(?:\s+(?:of|is))*|max(?:imum|imal)?(?:\s+(?:speed|velocity|of|is|at))*)\s*[:=]?\s+"
 )
 IS = r"(?:\s*[:=]\s*|\s+(?:(?:up|of|at|to|is|are|being|measur\w+|with)\s+)*)"
 ANGLED = rf"(?:\s*,?\s+(?:by\s+|through\s+|of\s+)?{ANGLE})"
@@ -40,13 +45,16 @@ PHRASES = {
     "side": rf"\b(?:side|edge)s?(?:\s+lengths?)?{IS}{LENGTH}|\bwidth{IS}{LENGTH}"
     rf"|{LENGTH}(?:\s+|-)(?:(?:on|per|each|a|long|every)\s+)*(?:sides?|edges?|wide)\b"
     rf"|{LENGTH}(?:\s+|-)(?:squares?|triangles?|pentagons?|hexagons?|octagons?)\b",
-    "sides": rf"{NUMBER}[\s-]*{UNITS}?\s*(?:x|×|by)\s*{LENGTH}",
+    "sides": rf"{NUMBER}[\s-]*{UNITS}?\s*(?:x|×|by)\s*{PLAIN_NUMBER}[\s-]*{UNITS}\b",
     "standoff": rf"{LENGTH}\s+(?:away|from|in\s+front\s+of|short\s+of|before)\b",
     "pause": rf"{SECONDS}\s+(?:long\s+)?{PAUSE}|{PAUSE}\s+(?:\w+\s+){{0,5}}{SECONDS}",
-    "alternating": rf"{ANGLE}\s+(?P<first>left|right)\s+and\s+(?:left|right)\s+turns?",
+    "alternating": rf"{ANGLE}\s+(?:turns?\s*,?\s+)?(?:left|right)\s+and\s+(?:left|right)\b"
+    r"(?:\s+turns?)?",
     "around": rf"{TURN}\s+(?:around|back)\b(?!\s+(?:the|an?)\b)|\bu-turn\b"
     r"|\babout-?\s?(?:turn|face)\b",
     "turn": rf"{TURN}\s+{SIDE}{ANGLED}?|{ANGLE}\s+(?:turn\s+)?{SIDE}"
+    r"|\b(?:then|and|go|head|take\s+a)\s+(?:left|right)\b"
+    r"(?!\s+(?:and|or|side|sides|turns?|away|now|ahead|after)\b)"
     rf"|{TURN}{ANGLED}(?:\s+{SIDE})?|\b(?:left|right)(?:-hand)?\s+turn{ANGLED}?",
     "backward": rf"\b(?:backwards?|revers\w+|back\s+up)\s+(?:\w+\s+){{0,2}}{LENGTH}"
     rf"|{LENGTH}\s+(?:back(?:wards?)?|in\s+reverse)\b(?!\s+to\b)",

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from vaso.modules.phrases import ANGLE, MORE, NUMBER, UNITS, WORDS, Phrase, scan
+from vaso.modules.phrases import ANGLE, MORE, NUMBER, PLAIN_NUMBER, UNITS, WORDS, Phrase, scan
 from vaso.modules.targets import find_target
 
 METRES = {"cm": 0.01, "centi": 0.01, "km": 1000.0, "kilo": 1000.0, "f": 0.3048}
@@ -146,7 +146,7 @@ def phrases_of(prompt: str, places: Mapping[str, float] | None = None) -> Iterat
 def _moves(phrase: Phrase, places: Mapping[str, float]) -> list[Leg]:
     match phrase.kind:
         case "distance":
-            return [Leg(distance_m=_metres(phrase.text))]
+            return [Leg(distance_m=metres_in(phrase.text))]
         case "place":
             return [Leg(distance_m=places[" ".join(phrase.place.split())])]
         case "around":
@@ -164,7 +164,7 @@ def _quantity(phrase: Phrase) -> tuple[str, float]:
     if phrase.kind == "pause":
         return "pause_s", _number(phrase.text)
     names = {"height": "altitude_m", "side": "side_m", "sides": "side_m", "standoff": "standoff_m"}
-    return names[phrase.kind], _metres(phrase.text)
+    return names[phrase.kind], metres_in(phrase.text)
 
 
 def _shaped(prompt: str, moves: list[Leg], found: dict[str, float]) -> list[Leg]:
@@ -194,8 +194,8 @@ def _sides(prompt: str, distances: Sequence[float]) -> list[float]:
     """The two sides of a rectangle: "3 m by 2 m", or two distances."""
     for phrase in scan(prompt):
         if phrase.kind == "sides":
-            first, second = re.findall(NUMBER, phrase.text)[:2]
-            scale = _metres(phrase.text) / _value(second) if _value(second) else 1.0
+            first, second = re.findall(PLAIN_NUMBER, phrase.text)[:2]
+            scale = metres_in(phrase.text) / _value(second) if _value(second) else 1.0
             return [round(_value(side) * scale, 6) for side in (first, second)]
     return list(distances)
 
@@ -246,11 +246,16 @@ def _number(phrase: str) -> float:
 
 
 def _value(text: str) -> float:
-    return float(WORDS.index(text)) if text in WORDS else float(text)
+    words = " ".join(text.lower().split())
+    if words.startswith("half"):
+        return 0.5
+    whole = words.removesuffix(" and a half")
+    return (WORDS[whole] if whole in WORDS else float(whole)) + 0.5 * (whole != words)
 
 
-def _metres(phrase: str) -> float:
-    match = re.search(rf"(?P<number>{NUMBER}){MORE}[\s-]*(?P<unit>{UNITS})\b", phrase)
+def metres_in(phrase: str) -> float:
+    """The length in a phrase that has one, in metres."""
+    match = re.search(rf"(?P<number>{PLAIN_NUMBER}){MORE}[\s-]*(?P<unit>{UNITS})\b", phrase)
     assert match is not None
     return round(_value(match["number"]) * _scale(match["unit"]), 6)
 
