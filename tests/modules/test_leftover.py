@@ -30,6 +30,7 @@ WHERE = {"doorway": 4.0, "hallway entrance": 3.5}
         ("fly-in-square-shape-traj", "Take off to 5 m and fly a square of 4 m, then land.", []),
         ("drive", "", []),
         ("find-object", "find a chair and push it to the wall", ["and push it to the wall"]),
+        ("bypass-object", "Go 3 m around chairs, then 2 m", ["then 2 m"]),
         ("find-object", "Find a chair and stop 1 meter away.", ["1 meter away"]),
         ("fly-in-square-shape-traj", "fly a triangle with side 3 m", ["a triangle"]),
         ("fly-in-square-shape-traj", "Fly a square at 5 m, but film us", ["but film us"]),

@@ -11,6 +11,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias
 
+from vaso.modules.phrases import Phrase
 from vaso.modules.quantities import (
     CLOCKWISE,
     COUNTER,
@@ -113,14 +114,18 @@ def _covered(
     covered: list[Span] = []
     unplaced: list[Span] = []
     for phrase in phrases_of(prompt, places):
-        is_used = any(name in used for name in CONSTANTS[phrase.kind])
-        is_used |= phrase.kind == "distance" and metres_in(phrase.text) == used.get("side_m")
-        (covered if is_used else unplaced).append((phrase.start, phrase.end))
+        (covered if _is_used(phrase, used) else unplaced).append((phrase.start, phrase.end))
     if "TARGET" in used and (span := target_span(prompt)):
         covered.append(span)
     shapes = [SHAPE, OBLONG, L_SHAPE, ZIG_ZAG, TIMES] if "legs" in used else []
     shapes += [CLOCKWISE, COUNTER] if {"clockwise", "legs"} & set(used) else []
     return covered + [m.span() for shape in shapes for m in shape.finditer(prompt)], unplaced
+
+
+def _is_used(phrase: Phrase, used: Mapping[str, Any]) -> bool:
+    if phrase.kind == "distance" and "legs" not in used:  # a single constant takes one distance
+        return metres_in(phrase.text) in (used.get("distance_m"), used.get("side_m"))
+    return any(name in used for name in CONSTANTS[phrase.kind])
 
 
 def _is_plain(word: str, known: frozenset[str]) -> bool:
@@ -142,14 +147,12 @@ def _chunks(prompt: str, words: Sequence[re.Match[str]], strange: Sequence[bool]
         if BREAK.search(prompt[behind : word.start()]):
             lead, is_open = None, False
         behind = word.end()
-        if is_strange and is_open:
-            chunks[-1] = (chunks[-1][0], word.end())
-        elif is_strange:
-            chunks.append((word.start() if lead is None else lead, word.end()))
-            is_open = True
-        elif word.group(0).lower() not in JOINING:
+        if is_strange:
+            start = chunks.pop()[0] if is_open else word.start() if lead is None else lead
+            chunks.append((start, word.end()))
+            lead, is_open = None, True
+        elif word.group(0).lower() in JOINING:
+            lead = word.start() if lead is None else lead
+        else:
             lead, is_open = None, False
-            continue
-        lead = word.start() if lead is None and not is_strange else lead
-        lead = None if is_strange else lead
     return [prompt[start:end] for start, end in chunks]

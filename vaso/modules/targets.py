@@ -7,7 +7,8 @@ import re
 _ONE = r"(?:an?|the|any|some|my|your|our|his|her|this|that|one|a\s+single)"
 _NEAREST = r"(?:(?:nearest|closest|first|next|nearby|missing|lost|other)\s+)*"
 _SEEK = (
-    r"(?:(?:search|look|hunt)(?:ing|es)?\b[\w\s]{0,60}?\bfor|seek(?:ing)?(?:\s+out)?|find(?:ing)?|locat(?:e|ing)"
+    r"(?:(?:search|look|hunt)(?:ing|es)?\b[\w\s]{0,60}?\bfor|"
+    r"seek(?:ing)?(?:\s+out)?|find(?:ing)?|locat(?:e|ing)"
     r"|detect(?:ing)?|spot(?:ting)?|identify(?:ing)?|(?:until|when|once)\s+(?:(?:you|it|the\s+robot)"
     r"\s+)?(?:sees?|finds?|spots?|detects?|reach(?:es)?|notices?|encounters?|comes?\s+across)"
     r"|until)"
