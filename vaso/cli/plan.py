@@ -113,12 +113,14 @@ def read_places(texts: Sequence[str]) -> dict[str, float]:
 
 
 def make_plan(skill: Skill, task: str, lm: str | None) -> Plan:
-    """A plan, by a language model if one is named.
+    """A plan, by a language model if one is named; says what of the task could not be used.
 
     Raises:
         ModelError: The model cannot be reached.
     """
-    return make_filling(skill, task, lm).plan
+    filling = make_filling(skill, task, lm)
+    say_what_is_missing(filling)
+    return filling.plan
 
 
 def make_filling(
