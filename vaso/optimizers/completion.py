@@ -1,7 +1,8 @@
 """A guard against optimizing the task away: what can a plan do, and can a new plan still do it?
 
 A skill that only says ``stop()`` for ever is safe and useless. Whether a plan *completes* its task
-is measured in simulation. What is measured here needs none: from the transition system and the
+is measured in simulation (:mod:`vaso.simulation.tasks`, ``vaso simulate``), with a scene for each
+task, and in metres. What is measured here needs no scene: from the transition system and the
 platform's own dynamics (not from labelling code, which is under optimization itself) it takes
 
 * for each action, the longest time that some behaviour of the plan executes it, and
@@ -9,7 +10,9 @@ platform's own dynamics (not from labelling code, which is under optimization it
 
 and compares them with those of the first plan for the same task. It notices that driving became
 impossible, was cut to a moment, or that a leg of a square is gone. It does not notice a plan that
-keeps all its actions and uses them to no purpose.
+keeps all its actions and uses them to no purpose, nor does it know that the templates which
+optimization starts from mostly do not complete their tasks either (docs/completion.md): it compares
+with them, not with the prompt.
 """
 
 from __future__ import annotations
