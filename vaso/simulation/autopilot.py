@@ -1,8 +1,9 @@
 """Between a plan's set-points and the vehicle: the adapter's position loop, and PX4's take-off.
 
-The adapter of a real vehicle does not send a plan's velocities as they are: take-off ramps, drag
-and wind would carry the vehicle metres away from where the set-points lead. It integrates them to
-a reference position and adds a bounded correction towards it.
+The adapter of a real vehicle (``docs/robots/px4.md``) does not send a plan's velocities as they
+are: take-off ramps, drag and wind would carry the vehicle metres away from where they lead. It
+integrates them to a nominal path and adds a bounded correction towards it; where the plan stands
+still, it asks PX4 to hold the position. This is the same law, with the same numbers.
 """
 
 from __future__ import annotations
@@ -11,70 +12,87 @@ import math
 
 from vaso.simulation.truth import Vector
 
-__all__ = ["ZERO", "TakeOff", "Tracker"]
+__all__ = ["AIRBORNE", "LEAST_CLIMB", "ZERO", "TakeOff", "Tracker"]
 
 ZERO: Vector = (0.0, 0.0, 0.0)
 GRAVITY = 9.80665
 
+GAIN = 0.6
+"""Correction in m/s for each metre."""
+
+CORRECTION = 0.3
+"""The greatest correction in m/s."""
+
+TRACKING_SPEED = 0.9
+"""Corrections do not make the vehicle faster than this, in m/s."""
+
+LAG = 0.5
+"""Seconds by which the vehicle is expected behind the nominal path."""
+
+HOLD = (0.95, 1.0)
+"""PX4's own position loop, horizontally and vertically (``MPC_XY_P``, ``MPC_Z_P``), in 1/s."""
+
+REACH = 0.5
+"""A position set-point is no farther away than this, in metres."""
+
+AIRBORNE = 0.25
+"""Above this altitude in metres, the vehicle has come off the ground."""
+
+LEAST_CLIMB = 0.3
+"""The least speed upwards, in m/s, with which a vehicle is brought off the ground."""
+
+TOUCHDOWN = 0.5
+"""Speed downwards, in m/s, of a vehicle in the air whose nominal path has landed."""
+
 
 class Tracker:
-    """The nominal position of a plan's set-points, and the velocity that leads there.
+    """The nominal path of a plan's set-points, and the velocity that keeps a vehicle on it.
 
     Args:
         start: Position at the beginning: north, east, altitude in metres.
-        gains: Correction in m/s for each metre, horizontally and vertically; PX4's own position
-            loop has 0.95 and 1 (``MPC_XY_P``, ``MPC_Z_P``).
-        most: Greatest correction in m/s, horizontally and vertically.
-        speed: The correction never makes the set-point faster than this, in m/s.
-        touchdown: Speed downwards in m/s for a vehicle that is still in the air when its reference
-            has landed.
+        touchdown: Speed downwards for a vehicle that is in the air when its path has landed.
 
     Attributes:
         reference: Where the set-points so far lead: north, east, altitude.
     """
 
-    def __init__(
-        self,
-        start: Vector,
-        *,
-        gains: tuple[float, float] = (0.95, 1.0),
-        most: float = 0.5,
-        speed: float = 0.95,
-        touchdown: float = 0.5,
-    ) -> None:
+    def __init__(self, start: Vector, *, touchdown: float = TOUCHDOWN) -> None:
         self.reference = start
-        self._gains = gains
-        self._most = most
-        self._speed = speed
+        self._expected = start
         self._touchdown = touchdown
 
+    def lifts_off(self, setpoint: Vector) -> bool:
+        """Whether a set-point leads off the ground."""
+        return self.reference[2] <= 0 and setpoint[2] < 0
+
     def advance(self, setpoint: Vector, seconds: float) -> None:
-        """Move the reference. On the ground it stands, as the platform's model does."""
+        """Move along the path. On the ground it stands, as in the platform's model."""
         north, east, altitude = self.reference
-        if altitude <= 0 and setpoint[2] >= 0:
-            return
-        self.reference = (
-            north + setpoint[0] * seconds,
-            east + setpoint[1] * seconds,
-            max(0.0, altitude - setpoint[2] * seconds),
-        )
+        if altitude > 0 or setpoint[2] < 0:
+            self.reference = (
+                north + setpoint[0] * seconds,
+                east + setpoint[1] * seconds,
+                max(0.0, round(altitude - setpoint[2] * seconds, 9)),
+            )
+        share = -math.expm1(-seconds / LAG)
+        (x, y, z), (n, e, d) = self._expected, self.reference
+        self._expected = (x + (n - x) * share, y + (e - y) * share, z + (d - z) * share)
 
     def steer(self, setpoint: Vector, position: Vector) -> Vector:
-        """The velocity to ask for: the plan's, plus a correction towards the reference.
+        """The velocity to ask for, north, east, down in m/s.
 
         Args:
-            setpoint: The plan's: north, east, down in m/s.
+            setpoint: The plan's.
             position: Where the vehicle is: north, east, altitude.
         """
-        north = self._gains[0] * (self.reference[0] - position[0])
-        east = self._gains[0] * (self.reference[1] - position[1])
-        down = self._gains[1] * (position[2] - self.reference[2])
-        size = math.hypot(north, east)
-        part = min(1.0, self._most / size) if size else 0.0
-        down = min(self._most, max(-self._most, down))
-        if self.reference[2] <= 0 and setpoint[2] >= 0:
-            return (north * part, east * part, self._touchdown)
-        return _capped(setpoint, (north * part, east * part, down), self._speed)
+        has_landed = self.reference[2] <= 0 and setpoint[2] >= 0
+        if has_landed or setpoint == ZERO:
+            north, east, down = _limited(_between(position, self.reference), REACH)
+            sink = self._touchdown if has_landed else HOLD[1] * down
+            return (HOLD[0] * north, HOLD[0] * east, sink)
+        x, y, z = _limited(_between(position, self._expected, GAIN), CORRECTION)
+        wanted = (setpoint[0] + x, setpoint[1] + y, setpoint[2] + z)
+        return _limited(wanted, max(TRACKING_SPEED, math.hypot(*setpoint)))
 
 
 class TakeOff:
@@ -122,13 +140,15 @@ class TakeOff:
         self._progress = None
 
 
-def _capped(setpoint: Vector, correction: Vector, speed: float) -> Vector:
-    """A set-point with as much of a correction as the speed allows, but never without itself."""
-    (n, e, d), (x, y, z) = setpoint, correction
-    own = n * n + e * e + d * d
-    square, cross = x * x + y * y + z * z, n * x + e * y + d * z
-    over = own - max(speed * speed, own)
-    part = 1.0
-    if over + 2 * cross + square > 0:
-        part = (-cross + math.sqrt(max(0.0, cross * cross - square * over))) / square
-    return (n + part * x, e + part * y, d + part * z)
+def _between(here: Vector, there: Vector, factor: float = 1.0) -> Vector:
+    """North, east and down from one position to another, times a factor."""
+    north, east, up = there[0] - here[0], there[1] - here[1], there[2] - here[2]
+    return (factor * north, factor * east, -factor * up)
+
+
+def _limited(vector: Vector, most: float) -> Vector:
+    length = math.hypot(*vector)
+    if length <= most:
+        return vector
+    part = most / length
+    return (vector[0] * part, vector[1] * part, vector[2] * part)

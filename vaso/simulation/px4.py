@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from vaso.errors import RobotError
 from vaso.execution import Health, Period
 from vaso.platforms import Issued, get_platform
-from vaso.simulation.autopilot import ZERO, TakeOff, Tracker
+from vaso.simulation.autopilot import AIRBORNE, LEAST_CLIMB, ZERO, TakeOff, Tracker
 from vaso.simulation.multirotor import Body, Multirotor
 from vaso.simulation.scene import AirScene
 from vaso.simulation.truth import FlightMoment, FlightTruth, Vector
@@ -22,6 +22,8 @@ _LANDING = 0.7
 """Speed of PX4's own landing in m/s (``MPC_LAND_SPEED``)."""
 
 _LONGEST_LANDING = 3600.0
+_LONGEST_CLIMB = 15.0
+"""Seconds after which a vehicle that has not come off the ground has failed to."""
 
 
 class PX4Sim:
@@ -106,15 +108,23 @@ class PX4Sim:
         self._setpoint = after
 
     def wait(self) -> Period:
-        """Let one control period pass.
+        """Let one control period pass; one that begins a take-off waits for it, if tracking.
 
         Raises:
-            RobotError: The vehicle has not been started.
+            RobotError: The vehicle has not been started, or does not come off the ground.
         """
         self._require_ready()
+        begin = self._time
+        if self.tracking and self._tracker.lifts_off(self._setpoint):
+            self._lift_off()
+        waited = self._time - begin
         self._pass()
         self._change_seen, self._change = self._change, 0.0
-        return Period(time=self._moments[-1].time, seconds=self.platform.dt)
+        return Period(
+            time=self._moments[-1].time,
+            seconds=round(self.platform.dt + waited, 9),
+            overrun=round(waited, 9),
+        )
 
     def measured(self) -> Mapping[str, float]:
         """True altitude (m), speed (m/s) and change of set-point; besides, NED position (m).
@@ -191,27 +201,40 @@ class PX4Sim:
         self._landing = False
         self._moments: list[FlightMoment] = []
         self._track: list[tuple[float, float, float, float]] = []
-        self._note_track(0.0)
+        self._steps = 0
+        self._track.append((0.0, *self._vehicle.position))
         self._note()
+
+    def _lift_off(self) -> None:
+        """Climb until the vehicle is off the ground. The nominal path waits meanwhile."""
+        climb = (0.0, 0.0, min(self._setpoint[2], -LEAST_CLIMB))
+        for _ in range(round(_LONGEST_CLIMB / _SUBSTEP)):
+            if self._vehicle.position[2] > AIRBORNE:
+                return
+            self._step(climb)
+        raise RobotError(f"the vehicle has not climbed within {_LONGEST_CLIMB:g} s")
 
     def _pass(self) -> None:
         """One control period in sub-steps."""
-        start = len(self._moments) - 1
-        count = round(self.platform.dt / _SUBSTEP)
-        every = round(_TRACK / _SUBSTEP)
-        for i in range(1, count + 1):
-            self._gusts.blow(_SUBSTEP)
+        for _ in range(round(self.platform.dt / _SUBSTEP)):
             self._tracker.advance(self._setpoint, _SUBSTEP)
             wanted = self._setpoint
             if self.tracking or self._landing:
                 wanted = self._tracker.steer(self._setpoint, self._vehicle.position)
-            self._vehicle.follow(wanted, self._gusts.now, _SUBSTEP)
-            if i % every == 0:
-                self._note_track(start * self.platform.dt + i * _SUBSTEP)
+            self._step(wanted)
         self._note()
 
-    def _note_track(self, time: float) -> None:
-        self._track.append((round(time, 9), *self._vehicle.position))
+    def _step(self, wanted: Vector) -> None:
+        """One sub-step under the velocity that is sent to the vehicle."""
+        self._gusts.blow(_SUBSTEP)
+        self._vehicle.follow(wanted, self._gusts.now, _SUBSTEP)
+        self._steps += 1
+        if self._steps % round(_TRACK / _SUBSTEP) == 0:
+            self._track.append((self._time, *self._vehicle.position))
+
+    @property
+    def _time(self) -> float:
+        return round(self._steps * _SUBSTEP, 9)
 
     def _note(self) -> None:
         number, vehicle = len(self._moments), self._vehicle
@@ -219,7 +242,7 @@ class PX4Sim:
         self._moments.append(
             FlightMoment(
                 step=number,
-                time=round(number * self.platform.dt, 9),
+                time=self._time,
                 north=north,
                 east=east,
                 altitude=altitude,
