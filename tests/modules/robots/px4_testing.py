@@ -14,14 +14,13 @@ from typing import Any
 
 from vaso.execution import Period
 from vaso.modules.robots import PX4Mavlink
-from vaso.platforms import get_platform
+from vaso.platforms import Issued
 
 HERE = Path(__file__).parent
 SAFE_WITHIN_S = 1.5  # the requirement, measured at the vehicle
 MACHINE_S = 0.5  # what a loaded test machine may add
 PATIENCE = 30.0
 Vector = tuple[float, float, float]
-COMMAND = get_platform("px4").commands[0]
 
 
 def free_port() -> int:
@@ -94,7 +93,7 @@ def fly(
     periods, states = [], [dict(px4.measured())]
     for step, velocity in enumerate(velocities):
         each(step)
-        px4.act(COMMAND.issue((velocity,), {}))
+        px4.act(Issued(name="set_velocity", arguments=(("velocity", tuple(velocity)),)))
         periods.append(px4.wait())
         states.append(dict(px4.measured()))
     return periods, states

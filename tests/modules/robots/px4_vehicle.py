@@ -26,10 +26,10 @@ from pymavlink import mavutil
 M = mavutil.mavlink
 OFFBOARD, LAND, RTL, LOITER, POSCTL = (6, 0), (4, 6), (4, 5), (4, 3), (3, 0)
 STEP = 0.01  # s of simulated time
+AHEAD_S = 0.15  # of the last set-point; faster than real time the vehicle waits for the next one
 OFFBOARD_LOSS_S = 1.0  # COM_OF_LOSS_T
 LAND_SPEED = 0.7  # MPC_LAND_SPEED
 IDLE_DISARM_S = 10.0  # COM_DISARM_PRFLT
-LAND_DISARM_S = 2.0  # COM_DISARM_LAND
 SPOOL_UP_S, RAMP_S = 1.0, 3.0  # COM_SPOOLUP_TIME, MPC_TKO_RAMP_T
 LAG_XY, LAG_Z = 0.56, 0.25  # MPC_XY_VEL_P_ACC, MPC_Z_VEL_P_ACC
 MOST_ACCELERATION = 5.0
@@ -40,7 +40,7 @@ PULL = 0.95  # MPC_XY_P
 class Config:
     """How the vehicle behaves; times in simulated seconds."""
 
-    speed: float = 1.0  # simulated seconds per second
+    speed: float = 1.0  # simulated seconds per second; limits on a peer's silence are not scaled
     ready_s: float = 3.0  # until its estimator has a position and it can arm
     ground_z: float = 0.7  # down, in its own frame: PX4's origin need not be the ground
     home: tuple[float, float] = (1.5, -2.0)
@@ -53,6 +53,7 @@ class Config:
     autopilot: int = M.MAV_AUTOPILOT_PX4
     ramps: bool = True
     lifts: bool = True
+    land_disarm_s: float = 2.0  # COM_DISARM_LAND
     seed: int = 1
 
 
@@ -95,11 +96,15 @@ class Vehicle:
         self.report.flush()
 
     def run(self) -> None:
-        began = time.monotonic()
+        last, goal = time.monotonic(), 0.0
         while True:
             self.control()
             self.receive()
-            goal = (time.monotonic() - began) * self.config.speed
+            now = time.monotonic()
+            goal += (now - last) * self.config.speed
+            last = now
+            if self.config.speed > 1 and self.armed and self.mode == OFFBOARD:
+                goal = min(goal, self.setpoint_at + AHEAD_S)
             while self.time + STEP <= goal:
                 self.time += STEP
                 self.move()
@@ -190,13 +195,13 @@ class Vehicle:
         """Failsafes and automatic disarming."""
         if not self.armed:
             return
-        silent = self.time - self.setpoint_at > OFFBOARD_LOSS_S
+        silent = self.time - self.setpoint_at > OFFBOARD_LOSS_S * self.config.speed
         if self.mode == OFFBOARD and silent:
             self.mode = RTL
             self.say("failsafe", mode=self.mode)
         if self.landed:
             down_for = self.time - (self.touched_at or 0.0)
-            limit = LAND_DISARM_S + 0.7 if self.flew else IDLE_DISARM_S
+            limit = self.config.land_disarm_s + 0.7 if self.flew else IDLE_DISARM_S
             if down_for > limit and self.time - self.armed_at > limit:
                 self.disarm("by itself")
 

@@ -41,8 +41,8 @@ class PX4Mavlink:
     Args:
         connect: Where the vehicle is, as in
             :class:`~vaso.modules.robots.px4_settings.PX4Settings`.
-        flight_log: File for the telemetry, as JSON lines; by default a new file in the folder in
-            use, named after the time.
+        flight_log: File for the telemetry, as JSON lines; by default a new file in ``runs``, named
+            after the time.
         on_event: Called with what a person should be told, such as why arming is refused.
         settings: Any other field of ``PX4Settings``.
 
@@ -62,7 +62,7 @@ class PX4Mavlink:
     ) -> None:
         self.platform: Platform = get_platform("px4")
         self.name = f"px4 at {connect}"
-        log = flight_log or f"flight-{datetime.now():%Y%m%d-%H%M%S}.jsonl"
+        log = flight_log or Path("runs", f"px4-{datetime.now():%Y%m%d-%H%M%S}.jsonl")
         try:
             self.settings = PX4Settings(
                 url=connect, flight_log=str(Path(log).absolute()), **settings

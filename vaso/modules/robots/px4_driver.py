@@ -167,8 +167,9 @@ def main() -> None:
     log = FlightLog(settings.flight_log)
     try:
         vehicle = Vehicle(settings.url, log, settings.system)
-    except (OSError, ValueError) as error:
-        raise SystemExit(f"{settings.url} cannot be opened: {error}") from error
+    except (OSError, ValueError, ImportError) as error:
+        missing = " (pip install pyserial)" if isinstance(error, ImportError) else ""
+        raise SystemExit(f"{settings.url} cannot be opened: {error}{missing}") from error
     driver = Driver(channel, Flight(vehicle, settings, log), vehicle, settings)
     signal.signal(signal.SIGINT, driver.interrupt)
     signal.signal(signal.SIGTERM, driver.interrupt)

@@ -13,20 +13,19 @@ from enum import StrEnum
 from typing import Any
 
 from vaso.modules.robots.px4_checks import Fault, command_fault, flight_fault
+from vaso.modules.robots.px4_following import STILL, Following
 from vaso.modules.robots.px4_log import FlightLog
 from vaso.modules.robots.px4_mavlink import LAND, OFFBOARD, M, Vehicle
-from vaso.modules.robots.px4_path import NominalPath, SetPoint, Vector
+from vaso.modules.robots.px4_path import SetPoint, Vector
 from vaso.modules.robots.px4_sequences import UNHEARD_S, SequenceError, arming, finding, landing
 from vaso.modules.robots.px4_settings import PX4Settings
 from vaso.modules.robots.px4_track import Track
 
 __all__ = ["Flight", "Phase"]
 
-STILL = SetPoint(velocity=(0.0, 0.0, 0.0))
 ALIVE_S = 1.0
+HELD_UP_S = 0.8  # a gap in the stream so long that PX4 may be about to end offboard mode
 KEEP_S = 1.0  # how long set-points go on while AUTO.LAND is asked for
-GRACE_S = 0.2  # between two commands, before the vehicle is held in place
-CLIMB_LAG_M, CLIMB_LAG_S = 0.3, 0.6  # so far behind, and so many seconds, a climb may end
 
 
 class Phase(StrEnum):
@@ -64,15 +63,12 @@ class Flight:
         self._vehicle = vehicle
         self._settings = settings
         self._log = log
-        self._path = NominalPath(settings.correction, settings.tracking_speed)
+        self._following = Following(self.track, settings)
         self._stream: SetPoint | None = None
         self._sequence: Iterator[None] | None = None
-        self._period: _Period | None = None
         self._waiting: tuple[Vector, float] | None = None
         self._alive_at = 0.0
-        self._idle_since = 0.0
-        self._patience = settings.first_s
-        self._landing_since = 0.0
+        self._landing_since = self._sent_at = 0.0
 
     # requests
 
@@ -88,7 +84,7 @@ class Flight:
 
     def command(self, velocity: Sequence[float], period: float) -> None:
         """Put a velocity in force for a period; answered as ``act`` at its end."""
-        problem = command_fault(velocity, period, self._settings, self._path)
+        problem = command_fault(velocity, period, self._settings, self._following.path)
         if self.phase not in (Phase.FLYING, Phase.LANDED):
             problem = self.fault.text if self.fault else f"the vehicle is {self.phase}"
         if problem is not None:
@@ -96,13 +92,12 @@ class Flight:
             self.fail(Fault(problem))
             return
         wanted = (velocity[0], velocity[1], velocity[2])
-        late = self._begin_period(period)
-        if self.phase is Phase.LANDED and self._path.end_of(wanted, period)[2] < 0:
+        rises = self._following.path.end_of(wanted, period)[2] < 0
+        if self.phase is Phase.LANDED and rises:
             self._waiting = (wanted, period)  # a second take-off: arm again first
             self.prepare()
         else:
-            self._path.begin(wanted, period)
-            self._path.advance(late)
+            self._following.begin(wanted, period)
 
     def land(self) -> None:
         """Begin to land, wherever the vehicle is; answered as ``stop`` when it is safe."""
@@ -147,16 +142,19 @@ class Flight:
             self._alive_at = now + ALIVE_S
         passed = self.track.observe()
         if self.phase is Phase.FLYING:
-            self._fly(passed, now)
+            self._fly(passed)
         elif self.phase is Phase.LANDED:
             self._stand(passed, now)
+        if self._stream is not None and now - self._sent_at > HELD_UP_S:
+            held_up = f"the driver was held up for {now - self._sent_at:.1f} s"
+            self.fail(Fault(held_up, is_deaf=True))
         if self._sequence is not None:
             self._resume(now)
         self._send()
 
     def _stand(self, passed: float, now: float) -> None:
         """On the ground, periods only pass."""
-        self._path.advance(passed)
+        self._following.stand(passed)
         self._end_period()
         if self._vehicle.heard is None or now - self._vehicle.heard > UNHEARD_S:
             self._refuse("the vehicle has landed and is not heard any more")
@@ -203,97 +201,40 @@ class Flight:
         self.track.airborne = False
         self.phase = Phase.FLYING
         self._log.write("VASO", {"event": "armed", "home": self.track.home})
-        self._idle_since = time.monotonic()
+        self._following.wait_for_command()
         if self._waiting is None:
             self.answers.append(("start", {"measured": self.track.measured()}))
         else:
-            self._path.begin(*self._waiting)
+            self._following.begin(*self._waiting)
             self._waiting = None
 
-    def _fly(self, passed: float, now: float) -> None:
-        place = self.track.place
+    def _fly(self, passed: float) -> None:
+        """Check, move the path on, and see whether the period is over."""
+        place, following = self.track.place, self._following
         fault = flight_fault(self._vehicle, self._settings, place)
-        if fault is not None:
-            if (
-                not self._vehicle.armed
-                and self._path.velocity[2] > 0
-                and self.track.has_come_down()
-            ):
-                self._touch_down()  # it noticed the ground before the path had reached it
-            else:
-                self.fail(fault)
-            return
-        assert place is not None
-        if not self._period_runs and now - self._idle_since > self._patience:
-            self.fail(Fault(f"no command has come for {now - self._idle_since:.1f} s"))
-            return
-        self._move(passed, place, now)
-
-    def _move(self, passed: float, place: Vector, now: float) -> None:
-        """Move the nominal path on, and set what is streamed."""
-        path = self._path
-        if not self.track.airborne:
-            self.track.look_for_lift()
-        if not self.track.airborne:
-            rises = path.velocity[2] < 0 and not path.stands
-            self._stream = path.climb() if rises else STILL
-            if rises:
-                self._wait_for_climb(passed)
-                return
-        elif self._period_runs or now - self._idle_since > GRACE_S:
-            self._stream = path.setpoint(place)
-        if path.left > 0:
-            path.advance(passed)
-        elif self._period_runs and self._lags_behind(path):
-            self._wait_for_climb(passed)
-        path.settle(passed)
-        self._end_period()
-
-    @property
-    def _period_runs(self) -> bool:
-        return self._period is not None and not self._period.answered
-
-    def _lags_behind(self, path: NominalPath) -> bool:
-        """Whether a straight climb ends too low, as while a vehicle spins up."""
-        north, east, down = path.velocity
-        place = self.track.place
-        if not self.track.airborne or down >= 0 or north or east or place is None:
-            return False
-        return path.lag(place) > CLIMB_LAG_M - CLIMB_LAG_S * down
-
-    def _wait_for_climb(self, passed: float) -> None:
-        """The path waits for a vehicle that takes off, for a bounded time."""
-        assert self._period is not None
-        self._period.waited += passed
-        if self._period.waited > self._settings.climb_s:
+        if fault is not None and following.path.velocity[2] > 0 and self.track.has_come_down():
+            self._touch_down()  # it noticed the ground before the path had reached it
+        elif fault is not None:
+            self.fail(fault)
+        elif following.is_stalled:
+            self.fail(Fault(f"no command has come for {following.idle_s:.1f} s"))
+        elif following.has_waited_too_long:
             self.fail(Fault(f"the vehicle has not climbed within {self._settings.climb_s:g} s"))
+        elif place is not None:
+            following.move(passed, place)
+            self._stream = following.stream
+            self._end_period()
 
     def _end_period(self) -> None:
-        """Answer the command in force, if its period is over and the vehicle is where it should."""
-        period, path = self._period, self._path
-        if period is None or period.answered or path.left > 0:
+        """Answer the command in force, if its period is over; land where the path has."""
+        following = self._following
+        if not following.is_over:
             return
-        if self.track.airborne and self.phase is Phase.FLYING and path.altitude <= 0:
+        if self.phase is Phase.FLYING and self.track.airborne and following.path.altitude <= 0:
             self._begin_landing("the path has reached the ground")
             return
-        if self.phase is Phase.FLYING and self._lags_behind(path):
-            return
-        self._idle_since = time.monotonic()
-        self._patience = self._settings.stall_s
-        fields = period.end(self.track.time)
+        fields: dict[str, Any] = dict(following.end())
         self.answers.append(("act", {**fields, "measured": self.track.measured()}))
-
-    def _begin_period(self, seconds: float) -> float:
-        """Begin a period where the last one should have ended, if that was just now.
-
-        Returns:
-            How many seconds of it have passed already.
-        """
-        now = self.track.time
-        late = now - self._period.due if self._period is not None else GRACE_S
-        start = now - late if 0 <= late < GRACE_S else now
-        self._period = _Period(start, seconds)
-        return now - start
 
     # landing
 
@@ -320,6 +261,7 @@ class Flight:
 
     def _touch_down(self) -> None:
         self._log.write("VASO", {"event": "landed"})
+        self._following.path.touch_down()
         self._rest(Phase.LANDED)
         self._end_period()
 
@@ -333,7 +275,7 @@ class Flight:
         """Refuse what waits for an answer."""
         for request in ("connect", "start", "act"):
             self.answers.append((request, {"error": text, "hint": hint}))
-        self._period = None
+        self._following.drop()
         self._waiting = None
 
     # the stream
@@ -342,6 +284,7 @@ class Flight:
         self._stream = STILL
 
     def _send(self) -> None:
+        self._sent_at = time.monotonic()
         if self._stream is None:
             return
         if self._stream.velocity is not None:
@@ -350,25 +293,3 @@ class Flight:
             north, east, down = self._stream.position
             home = self.track.home
             self._vehicle.set_position((home[0] + north, home[1] + east, home[2] + down))
-
-
-class _Period:
-    """A control period on the vehicle's clock.
-
-    Args:
-        start: When it began.
-        seconds: How long it should be.
-    """
-
-    def __init__(self, start: float, seconds: float) -> None:
-        self.start = start
-        self.due = start + seconds
-        self.waited = 0.0
-        self.answered = False
-
-    def end(self, now: float) -> dict[str, float]:
-        """End it, and say how it went."""
-        late = max(0.0, now - self.due)
-        self.due += self.waited
-        self.answered = True
-        return {"time": now, "seconds": now - self.start, "overrun": late}

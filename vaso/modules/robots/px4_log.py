@@ -1,8 +1,9 @@
 """The telemetry of a flight as JSON lines.
 
 Each line is ``{"t": seconds since the link was opened, "type": message name, ...fields}``, with the
-fields of the MAVLink message. What was sent has ``"sent": true``. Lines of type ``VASO`` are the
-driver's own: ``event`` says what happened.
+fields of the MAVLink message; HEARTBEAT's own field ``type`` is written as ``mav_type``. What was
+sent has ``"sent": true``. Lines of type ``VASO`` are the driver's own: ``event`` says what has
+happened.
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from pathlib import Path
 from typing import Any
 
 __all__ = ["FlightLog"]
+
+RENAMED = {"type": "mav_type"}
 
 
 class FlightLog:
@@ -30,8 +33,8 @@ class FlightLog:
         """Add a line."""
         if self._file is None:
             return
-        line = {"t": round(time.monotonic() - self._start, 4), "type": kind, **message}
-        line.pop("mavpackettype", None)
+        fields = {RENAMED.get(k, k): v for k, v in message.items() if k != "mavpackettype"}
+        line = {"t": round(time.monotonic() - self._start, 4), "type": kind, **fields}
         try:
             self._file.write(json.dumps(line, default=str) + "\n")
             self._file.flush()

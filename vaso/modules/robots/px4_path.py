@@ -92,7 +92,7 @@ class NominalPath:
         """Let time pass. At the end of the period the position is exactly its end."""
         step = min(seconds, self.left)
         self.left = self.left - step if self.left - step > 1e-6 else 0.0
-        if self.left == 0:
+        if self.left == 0 or self.velocity == ZERO:
             self.position = self._end
         else:
             ahead = [e - v * self.left for e, v in zip(self._end, self.velocity, strict=True)]
@@ -107,9 +107,11 @@ class NominalPath:
         share = 1 - math.exp(-seconds / LAG_S)
         self._expected = _along(self._expected, self.position, share)
 
-    def lag(self, measured: Vector) -> float:
-        """By how many metres a vehicle is lower than the nominal position."""
-        return measured[2] - self.position[2]
+    def touch_down(self) -> None:
+        """The ground was reached: the path goes on from there."""
+        self._end = (self._end[0], self._end[1], 0.0)
+        self.position = (self.position[0], self.position[1], 0.0)
+        self.velocity = ZERO
 
     def setpoint(self, measured: Vector) -> SetPoint:
         """The set-point for a vehicle that is at ``measured``."""

@@ -1,8 +1,8 @@
 """What is done in a fixed order: find the vehicle, arm it, land it.
 
 Each sequence is a generator that the driver resumes once a tick; it ends by returning, or by
-raising :class:`SequenceError`. The order and the times are those that PX4 needs: set-points are streamed
-before offboard mode is asked for, and the mode before arming.
+raising :class:`SequenceError`. The order and the times are those that PX4 needs: set-points are
+streamed before offboard mode is asked for, and the mode before arming.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ STREAM_FIRST_S = 1.2  # of set-points, before offboard mode is asked for
 MODE_AGAIN_S = 1.5
 ARM_AGAIN_S = 2.0
 LAND_AGAIN_S = 0.5
+DISARM_AFTER_S = 40.0  # of landing, for vehicles that are set not to disarm themselves
 UNHEARD_S = 5.0  # without a heartbeat on the ground
 LANDED_STATE_HZ = 5.0
 
@@ -147,15 +148,15 @@ def landing(vehicle: Vehicle, settings: PX4Settings, taken_off: Callable[[], boo
     It is asked only while the vehicle was last known to be in offboard mode: another mode is that
     of a pilot or of its own failsafe, and is left alone.
     """
-    limit = time.monotonic() + settings.land_s
-    asked = 0.0
+    began = time.monotonic()
+    limit, asked = began + settings.land_s, 0.0
     while vehicle.may_be_armed:
         now = time.monotonic()
         if now - asked > LAND_AGAIN_S:
             if vehicle.mode == OFFBOARD:
                 vehicle.set_mode(LAND)
-            elif not taken_off() and vehicle.landed:
-                vehicle.arm(False)  # it has never flown; PX4 refuses this in the air
+            elif vehicle.landed and (not taken_off() or now - began > DISARM_AFTER_S):
+                vehicle.arm(False)  # it has not flown, or does not do it; refused in the air
             asked = now
         if now > limit:
             raise SequenceError(f"the vehicle has not disarmed within {settings.land_s:g} s")
