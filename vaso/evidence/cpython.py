@@ -24,6 +24,8 @@ from vaso.skill import Skill
 
 Valuation = Mapping[str, Scalar]
 EPOCH = 1024.0
+WALL = 131072.0
+"""What ``time.time()`` is ahead of ``time.monotonic()``."""
 TICK = 2.0**-30
 """The virtual clock's resolution in seconds; a period lasts the next multiple of it."""
 LINES = 200_000
@@ -110,9 +112,13 @@ class _Run:
     # --- the world -----------------------------------------------------------------------------
 
     def _namespace(self) -> dict[str, Any]:
-        clock = types.SimpleNamespace(
-            time=self._now, monotonic=self._now, perf_counter=self._now, sleep=self._sleep
-        )
+        ways: dict[str, Callable[[], float]] = {
+            "time": lambda: self._now() + WALL,
+            "monotonic": lambda: self._now(),
+            "perf_counter": lambda: self._now(),
+        }
+        whole = {f"{n}_ns": lambda tell=tell: round(tell() * 1e9) for n, tell in ways.items()}
+        clock = types.SimpleNamespace(**ways, **whole, sleep=self._sleep)
 
         def imported(name: str, *rest: Any) -> Any:
             return clock if name == "time" else __import__(name, *rest)
@@ -154,6 +160,8 @@ class _Run:
             self._label()
 
     def _sleep(self, seconds: float) -> None:
+        if seconds < 0:
+            raise ValueError("sleep length must be non-negative")
         for _ in range(math.ceil(round(seconds / self.platform.dt, 6))):
             self._hold()
 

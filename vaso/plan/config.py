@@ -8,12 +8,27 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any
 
+from vaso.plan.abstraction.forms import WALL
 from vaso.plan.machine import Continuation
 from vaso.plan.transition_system import Scalar
 from vaso.platforms import Issued
 
 EPOCH = 1024.0
 """The virtual clock's first value; not 0, because plans test ``if not start_time``."""
+
+STEADY = frozenset({"monotonic", "perf_counter"})
+"""The functions of ``time`` that show time since some moment, not the time of day."""
+
+
+def reading(function: str, now: float) -> float:
+    """What a function of ``time`` shows, in seconds; the sandbox turns it into what it returns.
+
+    Args:
+        function: Its name, such as ``time.monotonic_ns``.
+        now: The virtual clock's value.
+    """
+    name = function.rpartition(".")[2]
+    return now if name.removesuffix("_ns") in STEADY else now + float(WALL)
 
 
 class ClockReadError(Exception):

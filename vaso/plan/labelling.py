@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from vaso.errors import LabellingError, PlanError
-from vaso.plan.config import ClockReadError
+from vaso.plan.config import ClockReadError, reading
 from vaso.plan.machine import Call, Continuation, Lookup, Machine, Raised, Throw
 from vaso.plan.rewrite import round_prelude
 from vaso.plan.source import locate, parse_python, scope_prelude, uses_clock, without_aliases
@@ -283,7 +283,7 @@ class Labelling:
         if event.name == "time.time":
             if not self.uses_clock:
                 raise ClockReadError
-            return self._machine.advance(at, clock)
+            return self._machine.advance(at, reading(str(event.args[0]), clock))
         raise self.error(f"the function '{event.name}' is not defined", event.line)
 
 

@@ -21,7 +21,9 @@ MAGIC = b"MONTY\0"
 VERSION = b"\x0e\x00"
 """Dump format of the pinned pydantic-monty; a test fails loudly when it changes."""
 
-_CLOCK = "time.time"
+_CLOCK = "Time"
+"""How a dump calls a read of the clock."""
+
 _HEADER = len(MAGIC) + len(VERSION)
 
 # Heap entry tags whose payload holds references only in the form {"C": slot}.
@@ -85,6 +87,9 @@ class KeyMaker:
             )
         kind, call = _only(_only(self._reader.read(dump[_HEADER:])["state"])[1])
         snapshot = call["snapshot"]
+        if self._quotient is not None and _CLOCK in call.get("function_call", ()):
+            at = call["position"]
+            self._quotient.check_clock(at["filename"], (at["start"], at["end"]))
         heap = snapshot["repl"]["heap"]
         roots = _roots(kind, call, snapshot)
         rest = {k: v for k, v in heap.items() if k not in _VOLATILE_HEAP}
@@ -116,7 +121,6 @@ class KeyMaker:
             Snapshot(
                 file=at["filename"],
                 call=(at["start"], at["end"]),
-                clock=call["function_name"] == _CLOCK,
                 program=snapshot["executor"]["program"],
                 tables=snapshot["executor"]["tables"],
                 machine=snapshot["vm_state"],

@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 from pydantic_monty import MontyClassProxy
 
 from vaso.errors import PlanError, UnsupportedPlanError
-from vaso.plan.config import Clock, ClockReadError, Config, Origin, Reader, Turn
+from vaso.plan.config import Clock, ClockReadError, Config, Origin, Reader, Turn, reading
 from vaso.plan.labelling import Commanded, Labelling, Outcome, Returned, Slept, Threw
 from vaso.plan.machine import (
     Call,
@@ -199,7 +199,7 @@ class Stepper:
         if event.name == "time.time":
             if not self.clock:
                 raise ClockReadError
-            return self.machine.advance(at, self._now(here)), lab
+            return self.machine.advance(at, reading(str(event.args[0]), self._now(here))), lab
         if event.name == FOUND:
             return self._fly(event, at, lab, here)
         raise self._unknown(event)

@@ -10,10 +10,12 @@ from typing import Any, TypeAlias
 
 from vaso.plan.abstraction.fields import Fields
 from vaso.plan.abstraction.flow import Graph, Set, Stop, Use
-from vaso.plan.abstraction.forms import CLOCK, GLOBAL, Affine, Var
+from vaso.plan.abstraction.forms import CLOCK, GLOBAL, WALL, Affine, Var
 from vaso.plan.abstraction.scopes import Scope, Scopes, parameters
 
-CLOCKS = frozenset({"time", "monotonic", "perf_counter"})
+CLOCKS = {"time": Fraction(0), "monotonic": -WALL, "perf_counter": -WALL}
+"""The functions that tell the time, and what they are ahead of ``CLOCK``."""
+
 _PURE_MODULES = frozenset({"math"})
 
 Span: TypeAlias = tuple[int, int]
@@ -92,23 +94,24 @@ class Calls(ABC):
         if (number := self.fields.method(node.func, scope)) is not None:
             return self._own_call(node, number, into, after, scope, bound=True)
         given = [*node.args, *(k.value for k in node.keywords)]
-        if self._reads_clock(node.func, scope):
-            stop = self._stop(node, into, after, clock=True)
+        if (ahead := self._clock(node.func, scope)) is not None:
+            stop = self._stop(node, into, after, Affine({CLOCK: Fraction(1)}, ahead))
             return self.looked_at(given, stop, scope)
         if isinstance(node.func, ast.Name) and self._identity(node, scope):
             return self.value(node.args[0], into, after, scope)
         # Any other call may be one of the host's, and may call what it can get hold of.
         back = self.may_call(self.scopes.calling(node.func, scope), after, scope)
-        stop = self._stop(node, into, back, clock=False)
+        stop = self._stop(node, into, back)
         parts = [] if isinstance(node.func, ast.Name) else [node.func]
         if self._module(node.func, scope):
             parts = []
         return self.looked_at([*parts, *given], stop, scope)
 
-    def _stop(self, node: ast.Call, into: Var, after: int, clock: bool) -> int:
+    def _stop(self, node: ast.Call, into: Var, after: int, shown: Affine | None = None) -> int:
+        """A call of the host; ``shown`` is what it returns if it tells the time."""
         span = self.span(node)
-        done = self.graph.add(Set(into, Affine.of(CLOCK) if clock else None), after)
-        stop = self.graph.add(Stop(span, clock), done)
+        done = self.graph.add(Set(into, shown), after)
+        stop = self.graph.add(Stop(span, shown is not None), done)
         self.stops.setdefault((self.place, span), []).append(stop)
         return stop
 
@@ -198,12 +201,16 @@ class Calls(ABC):
         plain = len(node.args) == 1 and not isinstance(node.args[0], ast.Starred)
         return node.func.id == "float" and not own and plain and not node.keywords
 
-    def _reads_clock(self, func: ast.expr, scope: Scope) -> bool:
-        if isinstance(func, ast.Attribute) and isinstance(func.value, ast.Name):
-            return func.attr in CLOCKS and self._imports(func.value.id, scope, "time", None)
-        if isinstance(func, ast.Name):
-            return any(self._imports(func.id, scope, "time", name) for name in CLOCKS)
-        return False
+    def _clock(self, func: ast.expr, scope: Scope) -> Fraction | None:
+        """What a function that tells the time is ahead of the clock; None for any other one."""
+        for name, ahead in CLOCKS.items():
+            if isinstance(func, ast.Attribute) and isinstance(func.value, ast.Name):
+                found = func.attr == name and self._imports(func.value.id, scope, "time", None)
+            else:
+                found = isinstance(func, ast.Name) and self._imports(func.id, scope, "time", name)
+            if found:
+                return ahead
+        return None
 
     def _module(self, func: ast.expr, scope: Scope) -> bool:
         """True for a function of a module that neither stops nor calls back."""

@@ -25,7 +25,8 @@ class Expressions(Calls):
     def value(self, node: ast.expr, into: Var, after: int, scope: Scope) -> int:
         """Evaluate an expression into a variable."""
         if isinstance(node, ast.Constant):
-            return self.graph.add(Set(into, constant(node.value)), after)
+            number = isinstance(node.value, (int, float)) and not isinstance(node.value, bool)
+            return self.graph.add(Set(into, constant(node.value), not number), after)
         if isinstance(node, ast.Name):
             return self._load(node.id, into, after, scope)
         if (var := self.fields.variable(node, scope)) is not None:
@@ -210,16 +211,18 @@ class Expressions(Calls):
             choice = self.graph.join()
             self.graph.link(choice, following, no)
             pair = held[index], held[index + 1]
-            test = self._compared(node.ops[index], pair, choice)
+            sides = [node.left, *node.comparators][index : index + 2]
+            test = self._compared(node.ops[index], pair, choice, any(map(_is_singleton, sides)))
             following = self.value(node.comparators[index], held[index + 1], test, scope)
         return self.value(node.left, held[0], following, scope)
 
-    def _compared(self, op: ast.cmpop, pair: tuple[Var, Var], after: int) -> int:
+    def _compared(self, op: ast.cmpop, pair: tuple[Var, Var], after: int, singleton: bool) -> int:
+        """Compare two values; ``singleton`` if one of them is None, True or False."""
         one, two = (Affine.of(var) for var in pair)
-        if isinstance(op, (ast.Is, ast.IsNot)):
+        if isinstance(op, (ast.Is, ast.IsNot)) and singleton:
             after = self.graph.add(Use(two, "kind"), after)
             return self.graph.add(Use(one, "kind"), after)
-        if isinstance(op, (ast.In, ast.NotIn)):
+        if isinstance(op, (ast.In, ast.NotIn, ast.Is, ast.IsNot)):
             return self.graph.add(Use(one), self.graph.add(Use(two), after))
         return self.graph.add(Use(one.plus(two, -ONE), "sign"), after)
 
@@ -261,6 +264,11 @@ def _is_format(node: ast.expr) -> TypeGuard[ast.Call]:
 
 def _right(node: ast.BinOp | ast.AugAssign) -> ast.expr:
     return node.right if isinstance(node, ast.BinOp) else node.value
+
+
+def _is_singleton(node: ast.expr) -> bool:
+    """None, True or False, which no number is."""
+    return isinstance(node, ast.Constant) and (node.value is None or isinstance(node.value, bool))
 
 
 def _number(node: ast.expr | None) -> Fraction | None:

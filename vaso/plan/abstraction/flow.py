@@ -11,10 +11,17 @@ from vaso.plan.abstraction.forms import Affine, Var
 
 @dataclass(frozen=True, slots=True)
 class Set:
-    """A variable gets a value; None for one that does not depend on what ``Use`` does not list."""
+    """A variable gets a value; None for one that does not depend on what ``Use`` does not list.
+
+    Attributes:
+        var: The variable.
+        value: The value.
+        no_number: True for a literal that is no number, such as None.
+    """
 
     var: Var
     value: Affine | None = None
+    no_number: bool = False
 
 
 @dataclass(frozen=True, slots=True)

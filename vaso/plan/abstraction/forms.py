@@ -13,6 +13,10 @@ Var: TypeAlias = tuple[int, str]
 
 GLOBAL = -1
 CLOCK: Var = (-2, "clock")
+"""What ``time.time()`` returns."""
+
+WALL = Fraction(2**17)
+"""What ``time.time()`` is ahead of ``time.monotonic()``, so that nobody takes one for the other."""
 
 Bound: TypeAlias = Fraction | float
 """A constant, or an infinity."""

@@ -26,7 +26,6 @@ class Snapshot:
     Attributes:
         file: The text with the call at which the program waits.
         call: The bytes of that call.
-        clock: True if it asks for the time.
         program: The module's code.
         tables: The sandbox's tables of functions, strings and global names.
         machine: The frames, the stack and the globals.
@@ -37,7 +36,6 @@ class Snapshot:
 
     file: str
     call: tuple[int, int]
-    clock: bool
     program: Mapping[str, Any]
     tables: Mapping[str, Any]
     machine: Mapping[str, Any]

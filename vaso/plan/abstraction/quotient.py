@@ -10,13 +10,27 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from vaso.plan.abstraction.fields import FIRST
-from vaso.plan.abstraction.forms import CLOCK, EXACT, GLOBAL, UNSEEN, Bound, Form, Interval, Var
+from vaso.plan.abstraction.forms import (
+    CLOCK,
+    EXACT,
+    GLOBAL,
+    UNSEEN,
+    WALL,
+    Bound,
+    Form,
+    Interval,
+    Var,
+)
 from vaso.plan.abstraction.layout import Cell, Layout, Snapshot
 from vaso.plan.abstraction.relevance import Relevance
 from vaso.plan.abstraction.scopes import NotAnalysableError
 
 Number: TypeAlias = int | float | Fraction
-_Valued: TypeAlias = tuple[Number, Number, Bound, Bound]
+_Valued: TypeAlias = tuple[Number, Number, Bound, Bound, tuple[Number, ...]]
+
+MARGIN = Fraction(1, 10**6)
+"""How near to a constant, relative to it or absolute, a value may be for rounding to matter."""
+
 _SEEN, _UNSEEN = "number", "dead"
 
 
@@ -26,8 +40,9 @@ class View:
 
     Attributes:
         base: Everything but the plan's numbers.
-        forms: For each form that matters: its value without the clock, its rate with the clock, and
-            the constants that it is compared with.
+        forms: For each form that matters: its value without the clock, its rate with the clock, the
+            constants that it is compared with, and the numbers that it is made of where rounding
+            may depend on them.
         exact: Identity of the snapshot itself: the base and all of the plan's numbers.
     """
 
@@ -37,16 +52,22 @@ class View:
 
     def at(self, now: float) -> tuple[Hashable, ...]:
         """The identity at a time: equal identities behave alike from then on."""
-        return (self.base, *(_seen(form, now) for form in self.forms))
+        clock = Fraction(now) + WALL
+        return (self.base, *(_seen(form, clock) for form in self.forms))
 
 
-def _seen(form: _Valued, now: float) -> Hashable:
-    value, rate, low, high = form
+def _seen(form: _Valued, clock: Fraction) -> Hashable:
+    value, rate, low, high, numbers = form
     if rate:
-        value += rate * Fraction(now)
-    if value > high:
+        value += rate * clock
+    if value > high + _margin(high):
         return "above"
-    return "below" if value < low else value
+    return "below" if value < low - _margin(low) else numbers or value
+
+
+def _margin(bound: Bound) -> Fraction:
+    """Values this near to a bound are kept, since a program may compute them on the other side."""
+    return Fraction(0) if isinstance(bound, float) else MARGIN * max(Fraction(1), abs(bound))
 
 
 class Quotient:
@@ -62,6 +83,15 @@ class Quotient:
         self._file = file
         self._layout: Layout | None = None
 
+    def check_clock(self, file: str, call: tuple[int, int]) -> None:
+        """Check that a call that asks for the time is known to do so.
+
+        Raises:
+            NotAnalysableError: It is not: the analysis has taken its value for one that stays.
+        """
+        if file == self._file and call not in self.relevance.clocks:
+            raise NotAnalysableError("a clock that the analysis does not know")
+
     def view(self, snapshot: Snapshot) -> View | None:
         """What the future can look at; None where that is not known.
 
@@ -74,7 +104,7 @@ class Quotient:
             self._layout = Layout(snapshot, self.relevance, self._file)
         at = self._layout.here(snapshot)
         wanted = self.relevance.at.get((at, snapshot.call))
-        if wanted is None or snapshot.clock != (snapshot.call in self.relevance.clocks):
+        if wanted is None or snapshot.call in self.relevance.clocks:
             raise NotAnalysableError("a call that the analysis does not know")
         places = self._layout.places(snapshot)
         if places is None:
@@ -87,10 +117,20 @@ class Quotient:
         for form, interval in wanted.items():
             if all(var[0] in running for var, _ in form):
                 alive.update(var for var, _ in form)
-                found += _valued(form, interval, cells)
+                for value in _valued(form, interval, cells):
+                    found.append(value if self._rounds(form) else (*value[:4], ()))
         base = _base(snapshot, places, cells, alive)
         numbers = [None if _is_reference(cell) else cell for cell in cells.values()]
         return View(base, tuple(found), _digest([base, numbers]))
+
+    def _rounds(self, form: Form) -> bool:
+        """True if equal values of a form may behave otherwise when they come from other numbers.
+
+        Sums of decimals round in one place and not in another. Times lie beside all decimals, so
+        rounding does not matter to what is compared with them.
+        """
+        held = {var for var, _ in form}
+        return self.relevance.timed.isdisjoint(held) and not held <= self.relevance.whole
 
 
 def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterator[_Valued]:
@@ -99,6 +139,7 @@ def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterato
         return
     value: Number = 0
     rate: Number = 0
+    numbers: list[Number] = []
     for var, coefficient in form:
         if var == CLOCK:
             rate = coefficient
@@ -106,13 +147,14 @@ def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterato
         cell = cells.get(var)
         number = _number(cell)
         if number is not None:
+            numbers.append(number)
             value = number if len(form) == 1 else value + coefficient * Fraction(number)
         elif _no_number(cell) if var in cells else var[0] <= FIRST:
             return  # reading it, or computing with it, raises before anything is compared
         else:
             # Its value is part of the base, so the rest of the form is looked at by itself.
             interval = EXACT
-    yield value, rate, *interval
+    yield value, rate, *interval, tuple(numbers) if len(numbers) > 1 else ()
 
 
 def _no_number(cell: Any) -> bool:

@@ -21,6 +21,7 @@ from vaso.plan.abstraction.forms import (
     Atoms,
     Form,
     Interval,
+    Var,
     normal,
 )
 from vaso.plan.abstraction.lowering import Lowering
@@ -47,6 +48,8 @@ class Relevance:
         at: For the place and the bytes of each call: the forms that the future may look at while
             the plan waits there, and the constants it compares them with.
         clocks: The calls that return the time.
+        timed: Variables that hold times.
+        whole: Variables that only ever hold whole numbers.
     """
 
     text: str
@@ -55,6 +58,8 @@ class Relevance:
     own: Set[tuple[Place, Span]]
     at: Mapping[tuple[Place, Span], Mapping[Form, Interval]]
     clocks: frozenset[tuple[int, int]]
+    timed: frozenset[Var]
+    whole: frozenset[Var]
 
 
 def analyse(text: str) -> Relevance:
@@ -80,8 +85,57 @@ def analyse(text: str) -> Relevance:
                 clocks.add(span)
         at[place, span] = merged.bounds
     return Relevance(
-        text, program.scopes, program.fields, frozenset(program.own), at, frozenset(clocks)
+        text,
+        program.scopes,
+        program.fields,
+        frozenset(program.own),
+        at,
+        frozenset(clocks),
+        frozenset(_timed(program.graph)),
+        frozenset(_whole(program.graph)),
     )
+
+
+def _assignments(graph: Graph) -> list[Assign]:
+    return [step for step in graph.steps if isinstance(step, Assign)]
+
+
+def _timed(graph: Graph) -> set[Var]:
+    """Variables that hold times: decimals that are added to these never bring about a tie.
+
+    The clock's grid lies beside all decimals (:class:`vaso.plan.config.Clock`).
+    """
+    found = {CLOCK}
+    while True:
+        more = {
+            step.var
+            for step in _assignments(graph)
+            if step.value is not None and not found.isdisjoint(step.value.terms)
+        }
+        if more <= found:
+            return found
+        found |= more
+
+
+def _whole(graph: Graph) -> set[Var]:
+    """Variables that only ever hold whole numbers."""
+    found = {step.var for step in _assignments(graph)}
+    while True:
+        less = {
+            step.var
+            for step in _assignments(graph)
+            if step.var in found and not _is_whole(step, found)
+        }
+        if not less:
+            return found
+        found -= less
+
+
+def _is_whole(step: Assign, whole: Set[Var]) -> bool:
+    if step.value is None:
+        return step.no_number
+    numbers = (step.value.constant, *step.value.terms.values())
+    return all(n.denominator == 1 for n in numbers) and whole >= set(step.value.terms)
 
 
 def _lowered(text: str) -> Lowering:
@@ -113,6 +167,7 @@ class _Solver:
     def __init__(self, graph: Graph, scopes: Scopes) -> None:
         self._graph = graph
         self._parameters = [set(parameters(f)) for f in scopes.functions]
+        self._exact = _timed(graph) | _whole(graph)
         self._before = [Atoms() for _ in graph.steps]
         self._preceding: list[set[int]] = [set() for _ in graph.steps]
         for number, following in enumerate(graph.after):
@@ -155,8 +210,11 @@ class _Solver:
         step = self._graph.steps[number]
         if isinstance(step, Assign):
             if any(var == step.var for var, _ in form):
-                for wanted in _assigned(step, Affine(dict(form)), interval):
+                value = Affine(dict(form))
+                for wanted in _assigned(step, value, interval):
                     self._add(number, *wanted)
+                for var in _cancelled(step, value) - self._exact:
+                    self._add(number, Affine.of(var), EXACT)
                 return
         elif isinstance(step, Stop):
             rate = next((c for var, c in form if var == CLOCK), None)
@@ -189,6 +247,15 @@ def _assigned(step: Assign, value: Affine, interval: Interval) -> Iterator[tuple
         yield rest.plus(step.value, factor), interval
     elif rest.terms:
         yield rest, UNSEEN if interval == UNSEEN else EXACT
+
+
+def _cancelled(step: Assign, value: Affine) -> Set[Var]:
+    """Variables that a form does without once a value is put in; rounding may depend on them."""
+    put = set(step.value.terms) if step.value is not None else set()
+    if not put & set(value.terms):
+        return set()
+    left = {var for found, _ in _assigned(step, value, EXACT) for var in found.terms}
+    return put - left
 
 
 def _later(rate: Fraction, interval: Interval) -> Interval:

@@ -123,11 +123,9 @@ class Scopes:
     def owner(self, name: str, scope: Scope) -> Var | None:
         """The variable that a name means; None for one that is no variable of the program's."""
         here: Scope | None = scope
-        if scope.elsewhere.get(name) == "global":
-            here = self.module
-        elif scope.elsewhere.get(name) == "nonlocal":
-            here = scope.parent
         while here is not None:
+            if here.elsewhere.get(name) == "global":
+                here = self.module
             if name in here.own:
                 return None if here.hidden else (here.number, name)
             here = here.parent
