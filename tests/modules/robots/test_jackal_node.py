@@ -31,6 +31,23 @@ def test_the_watchdog_passes_a_velocity_on_while_the_plan_lives():
     assert "no sign of life for 0.60 s" in dog.reason
 
 
+def test_a_driver_that_was_held_up_does_not_move_on():
+    """What has queued up meanwhile is read before the next tick."""
+    dog = Watchdog(timeout=0.5)
+    dog.start(0.0)
+    dog.command(0.3, 0.0, 0.0)
+    with pytest.raises(Refused, match="no sign of life"):
+        dog.command(0.3, 0.0, 1.0, sent=0.9)
+    dog.start(2.0)
+    dog.command(0.3, 0.0, 2.0)
+    dog.alive(3.0)
+    assert dog.velocity(3.0) == (0.0, 0.0)
+    dog.start(4.0)
+    with pytest.raises(Refused, match=r"0\.70 s late"):
+        dog.command(0.3, 0.0, 5.0, sent=4.3)
+    assert dog.velocity(5.0) == (0.0, 0.0)
+
+
 def test_the_watchdog_stays_stopped_until_a_new_start():
     dog = Watchdog()
     dog.start(0.0)

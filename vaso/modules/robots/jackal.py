@@ -118,7 +118,12 @@ class JackalROS:
             raise RobotError(
                 f"the jackal has no command {command.name}", expected="velocity_publisher"
             )
-        self._call("command", linear=command["linear"], angular=command["angular"])
+        self._call(
+            "command",
+            linear=command["linear"],
+            angular=command["angular"],
+            sent=time.monotonic(),  # all processes of a computer share this clock
+        )
         self._command = command
 
     def wait(self) -> Period:

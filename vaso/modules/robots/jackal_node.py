@@ -165,7 +165,7 @@ class JackalDriver:
         linear, angular = message["linear"], message["angular"]
         self._look(now, moving=bool(linear or angular))
         try:
-            self.watchdog.command(linear, angular, now)
+            self.watchdog.command(linear, angular, now, message.get("sent"))
         except Refused as refused:
             name = "StaleReadingError" if self._stale else "RobotError"
             self._channel.refuse(message, str(refused), name=name)
@@ -220,7 +220,9 @@ def main() -> None:
             guarding = pool.submit(guard.start)
             driver, topics = _driver(channel, settings, guard)
             guarding.result()
-    except (ImportError, RobotError) as error:
+    except ImportError as error:
+        sys.exit(f"{error} in {sys.executable}; use an installation of ROS that has it")
+    except RobotError as error:
         sys.exit(str(error))
     for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
         signal.signal(number, lambda *_: setattr(driver, "terminated", True))

@@ -44,12 +44,22 @@ class Watchdog:
         self.running, self.reason = True, ""
         self._command, self._alive = ZERO, now
 
-    def command(self, linear: float, angular: float, now: float) -> None:
+    def command(self, linear: float, angular: float, now: float, sent: float | None = None) -> None:
         """The plan wants this velocity from now on (m/s, rad/s); also its sign of life.
 
+        Args:
+            linear: Speed ahead in m/s.
+            angular: Turn rate to the left in rad/s.
+            now: The time.
+            sent: When the plan said so; it may have lain about while this process was held up.
+
         Raises:
-            Refused: There is no run, it was stopped, or the velocity is out of bounds.
+            Refused: There is no run, it was stopped, or the velocity is late or out of bounds.
         """
+        self._expire(now)
+        late = now - (now if sent is None else sent)
+        if late > self.timeout:
+            self.trip(f"a command has come {late:.2f} s late")
         if self.reason or not self.running:
             raise Refused(self.reason or "no run was started")
         for value, most, unit in (
@@ -59,12 +69,12 @@ class Watchdog:
             if not abs(value) <= most:  # also for NaN
                 self.trip(f"a velocity of {value:g} {unit} is asked for; the limit is {most:g}")
                 raise Refused(self.reason)
-        self._command = (linear, angular)
-        self.alive(now)
+        self._command, self._alive = (linear, angular), now
 
     def alive(self, now: float) -> None:
         """The plan is alive, and its last command stays in force."""
-        self._alive = max(self._alive, now)
+        self._expire(now)
+        self._alive = now
 
     @property
     def moving(self) -> bool:
@@ -84,6 +94,10 @@ class Watchdog:
 
     def velocity(self, now: float) -> tuple[float, float]:
         """What to publish now (m/s, rad/s)."""
+        self._expire(now)
+        return self._command
+
+    def _expire(self, now: float) -> None:
+        """Stop a base whose plan is silent, also when its next message is here by now."""
         if self.moving and now - self._alive > self.timeout:
             self.trip(f"the plan has given no sign of life for {now - self._alive:.2f} s")
-        return self._command

@@ -63,9 +63,12 @@ class RosPython:
 
 
 def unmixed() -> dict[str, str]:
-    """An environment without a ROS installation, where the packages find their libraries anew."""
+    """Variables that hide a ROS installation, and choose what PyPI's packages of ROS have."""
     others = ("PYTHONPATH", "PYTHONHOME", "AMENT_PREFIX_PATH", "LD_LIBRARY_PATH")
-    return {n: "" for n in others if n in os.environ} | {"_ROS_WHEELS_BOOTSTRAP_COMPLETE": ""}
+    return {name: "" for name in others if name in os.environ} | {
+        "RMW_IMPLEMENTATION": "rmw_fastrtps_cpp",
+        "_ROS_WHEELS_BOOTSTRAP_COMPLETE": "",  # have the libraries' path set anew
+    }
 
 
 def data_home() -> Path:

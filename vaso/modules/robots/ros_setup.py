@@ -112,7 +112,7 @@ def _make(folder: Path, python: Path, say: Say) -> None:
         _step([uv, "pip", "install", "--quiet", "--python", str(python), *PACKAGES])
         return
     _step([sys.executable, "-m", "venv", str(folder)])
-    _step([str(python), "-m", "pip", "install", "--quiet", "--only-binary=:all:", *PACKAGES])
+    _step([str(python), "-m", "pip", "install", "--quiet", "--prefer-binary", *PACKAGES])
 
 
 def _step(command: Sequence[str]) -> None:
