@@ -70,6 +70,8 @@ class Counterexample:
         loop_start: Index of the step at which the loop starts.
         decided_at: For a safety violation: the first step after which nothing can repair it.
         dt: Control period in seconds.
+        recorded: True where the steps were recorded on a robot. Nothing is known of what came after
+            them then, and the loop, which is the last step alone, stands for anything.
     """
 
     formula: str
@@ -77,6 +79,7 @@ class Counterexample:
     loop_start: int
     decided_at: int | None = None
     dt: float = 1.0
+    recorded: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """Plain data for ``--json``."""
@@ -84,6 +87,7 @@ class Counterexample:
             "formula": self.formula,
             "loop_start": self.loop_start,
             "decided_at": self.decided_at,
+            "recorded": self.recorded,
             "steps": [
                 {
                     "step": s.index,

@@ -24,6 +24,7 @@ from vaso.cli import (
     simulate,
     skills,
     synthesize,
+    trace,
     verify,
 )
 
@@ -63,6 +64,7 @@ for command in (
     plan.plan,
     simulate.simulate,
     run_plan.run,
+    trace.trace,
     synthesize.synthesize,
     certify.certify,
     certify.recheck,

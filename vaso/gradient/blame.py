@@ -131,6 +131,8 @@ def _did(step: Step, scene: _Scene) -> str:
     """What the plan did in a step: the beginning of a sentence."""
     call, index = _call(step), step.index
     before = scene.steps[index - 1] if index else None
+    if before is not None and scene.example.recorded and step.line is None:
+        return f"In step {index} {call} is in force"
     if before is None or step.line is None:
         return f"The robot is at rest in step {index}, before the first command of the plan"
     if _has_ended(step, before):
@@ -151,7 +153,7 @@ def _differ(step: Step, before: Step) -> bool:
 def _reason(failure: Failure, step: Step, scene: _Scene) -> str:
     """Why the plan did so although it should have known better."""
     facts = [f for f in failure.because if propositions(f.formula) & scene.observed]
-    if not facts:
+    if not facts or scene.example.recorded:  # a recording does not say what the plan read
         return ""
     if all(f.step == step.index for f in facts):
         return "; what is read in a step can only change the command of the next one"

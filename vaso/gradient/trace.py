@@ -41,7 +41,13 @@ def trace_table(example: Counterexample, observed: frozenset[str] = frozenset())
             lines.append(_row([cells[first] for _, cells in columns], widths))
         else:
             lines.append(_gap(example, first, last))
-    return "\n".join([*lines, f"↺ back to step {example.loop_start}"])
+    return "\n".join([*lines, _end(example)])
+
+
+def _end(example: Counterexample) -> str:
+    if example.recorded:
+        return "(recorded on the robot up to this step)"
+    return f"↺ back to step {example.loop_start}"
 
 
 def _failure(formula: Formula, example: Counterexample, observed: frozenset[str]) -> Failure | None:

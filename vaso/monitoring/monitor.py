@@ -96,7 +96,9 @@ class Monitor:
                 f"the formula is nested more than {MAX_DEPTH} deep and cannot be watched"
             )
         self.atoms: tuple[Atom, ...] = tuple(sorted(atoms(formula), key=str))
-        self._opposites = [(a, o) for a in self.atoms if (o := _opposite(a)) is not None]
+        opposites = [(a, _opposite(a)) for a in self.atoms]
+        known = set(self.atoms)  # which may hold both x == 0 and x != 0, with values of their own
+        self._opposites = [(a, o) for a, o in opposites if o is not None and o not in known]
         self._memory = PastMemory(normal)
         self._after: dict[tuple[Situation, Letter], Situation] = {}
         self._steps: dict[tuple[Letter, tuple[bool, ...]], tuple[Progression, tuple[bool, ...]]]

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from vaso.errors import FormulaError
-from vaso.ltl import Binary, Formula, Unary, propositions, to_english, variables
+from vaso.errors import FormulaError, VasoError
+from vaso.ltl import Binary, Formula, Unary, nnf, propositions, to_english, variables
 from vaso.ltl.progression import Demand
-from vaso.monitoring.monitor import Monitor, Situation, Truth, letter_of
+from vaso.monitoring.monitor import Monitor, Situation, Truth
 from vaso.monitoring.split import Split, split
+from vaso.monitoring.tolerance import EXACT, Tolerance
 from vaso.plan.transition_system import Label
-from vaso.platforms import Platform
+from vaso.platforms import Platform, get_platform
 from vaso.skill import Rule, Skill
 
 __all__ = ["RuleStatus", "Watch", "Watched"]
@@ -66,12 +67,13 @@ class Watched:
     _monitors: tuple[Monitor, ...] = ()
     _possible: list[frozenset[Situation]] = field(default_factory=list)
     _unknown: set[str] = field(default_factory=set)
+    _tolerance: Tolerance = EXACT
 
     @classmethod
-    def of(cls, rule: Rule) -> Watched:
+    def of(cls, rule: Rule, tolerance: Tolerance = EXACT) -> Watched:
         """Start to watch a rule."""
-        parts = split(rule.formula)
-        watched = cls(rule, parts)
+        parts = split(nnf(rule.formula))
+        watched = cls(rule, parts, _tolerance=tolerance)
         formulas = [parts.safety] if parts.liveness is None else [parts.safety, parts.liveness]
         try:
             watched._monitors = tuple(map(Monitor, formulas))
@@ -87,7 +89,7 @@ class Watched:
             return
         try:
             for index, monitor in enumerate(self._monitors):
-                letter = letter_of(monitor.atoms, labels)
+                letter = self._tolerance.letter(monitor.atoms, labels)
                 if None in letter:
                     self._note_unknown(labels)
                 self._possible[index] = monitor.all_after(self._possible[index], letter)
@@ -136,19 +138,27 @@ class Watch:
 
     Args:
         rules: The rules.
+        tolerance: How measured numbers are compared; by default every number is exact.
 
     Attributes:
         steps: Number of steps so far.
     """
 
-    def __init__(self, rules: Iterable[Rule]) -> None:
-        self._watched = [Watched.of(rule) for rule in rules]
+    def __init__(self, rules: Iterable[Rule], tolerance: Tolerance = EXACT) -> None:
+        self._watched = [Watched.of(rule, tolerance) for rule in rules]
         self.steps = 0
 
     @classmethod
-    def of(cls, skill: Skill) -> Watch:
-        """Watch everything in a contract: global and local rules, and assumptions."""
-        return cls((*skill.rules, *skill.assumptions))
+    def of(cls, skill: Skill, platform: Platform | None = None) -> Watch:
+        """Watch everything in a contract: global and local rules, and assumptions.
+
+        Args:
+            skill: The skill.
+            platform: Says how exact measured numbers are; by default the skill's.
+        """
+        robot = platform or _platform(skill)
+        rules = (*skill.rules, *skill.assumptions)
+        return cls(rules, Tolerance.of(robot) if robot else EXACT)
 
     def observe(self, labels: Mapping[str, Label]) -> None:
         """Take a step.
@@ -168,6 +178,13 @@ class Watch:
     def describe(self, platform: Platform) -> list[str]:
         """One line a rule, for people."""
         return [_line(status, platform) for status in self.statuses]
+
+
+def _platform(skill: Skill) -> Platform | None:
+    try:
+        return get_platform(skill.platform)
+    except VasoError:
+        return None
 
 
 def _line(status: RuleStatus, platform: Platform) -> str:

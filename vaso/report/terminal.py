@@ -128,18 +128,23 @@ def violation_views(result: VerificationResult) -> list[RenderableType]:
     ]
 
 
+_CAN_DO = "The plan can do this instead:"
+
+
 def violation_view(spec: SpecResult, plan: str, blame: Blame | None = None) -> Group:
     """A violated rule: the rule, the behaviour that violates it, the plan with the lines marked."""
     assert spec.counterexample is not None
     parts: list[RenderableType] = [
         Text("\n✗ ", style="bold red").append(spec.spec, style="bold"),
         Text(f"The rule says: {spec.english}."),
-        Text("The plan can do this instead:"),
+        Text("The robot did this:" if spec.counterexample.recorded else _CAN_DO),
         counterexample_view(spec.counterexample),
     ]
     if blame and blame.text:
         parts += [Text(blame.text), ""]
-    return Group(*parts, plan_view(plan, marks_of(blame)))
+    if plan:
+        parts.append(plan_view(plan, marks_of(blame)))
+    return Group(*parts)
 
 
 def counterexample_view(example: Counterexample) -> Table:

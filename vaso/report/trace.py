@@ -179,7 +179,7 @@ def _row(example: Counterexample, run: Run, values: tuple[str, ...]) -> Row:
         values=tuple(_range([s.labels[v] for s in run]) for v in values),
         notes=tuple(_notes(example, first)),
         violated=first.index == example.decided_at,
-        looping=first.index >= example.loop_start,
+        looping=not example.recorded and first.index >= example.loop_start,
     )
 
 
@@ -211,6 +211,8 @@ def _notes(example: Counterexample, step: Step) -> Iterator[str]:
     if step.note:
         yield step.note
     last = len(example.steps) - 1
+    if example.recorded:
+        return
     if step.index == example.loop_start:
         yield FOR_EVER if example.loop_start == last else "the loop starts here"
     elif step.index == last:
