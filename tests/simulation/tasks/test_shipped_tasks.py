@@ -2,6 +2,7 @@
 
 import pytest
 
+import vaso
 from vaso.bench.completion import STILL
 from vaso.modules.symbolic import SymbolicPlanner
 from vaso.simulation.jackal import JackalSim
@@ -152,3 +153,10 @@ def test_standing_still_to_the_end_completes_nothing(name):
     for task in TASKS[name]:
         for seed in range(3):
             assert not try_plan(skill, STILL[skill.platform], task, seed).is_complete
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "number"), [(n, i) for n, i in ALL if TASKS[n][i].places])
+def test_plans_for_known_places_are_verified(name, number):
+    task = TASKS[name][number]
+    assert vaso.verify(SKILLS[name], filled(name, task.prompt, task.places))
