@@ -17,6 +17,7 @@ from nav_msgs.msg import Odometry
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Image, LaserScan
 from std_msgs.msg import Bool, String
 
 PERIOD_S = 0.05
@@ -35,6 +36,8 @@ class Peer(Node):
         self.detector = self.create_publisher(String, f"{name}/detections", 10)
         self.odometer = self.create_publisher(Odometry, f"{name}/platform/odom/filtered", 10)
         self.button = self.create_publisher(Bool, f"{name}/platform/emergency_stop", 10)
+        self.camera = self.create_publisher(Image, f"{name}/sensors/camera_0/color/image", 10)
+        self.laser = self.create_publisher(LaserScan, f"{name}/sensors/lidar2d_0/scan", 10)
         self.clock = self.create_publisher(Clock, "/clock", 10)
         self.create_timer(PERIOD_S, self.tick)
 
@@ -57,6 +60,14 @@ class Peer(Node):
             message = Clock()
             message.clock.sec = told["clock"]
             self.clock.publish(message)
+        if "distance" in told:
+            stamp = self.get_clock().now().to_msg()
+            image = Image(height=2, width=4, step=16, encoding="rgb8", data=bytes(32))
+            scan = LaserScan(angle_min=-1.0, angle_increment=1.0, range_min=0.05)
+            scan.ranges = [0.3, told["distance"], 0.3]
+            image.header.stamp = scan.header.stamp = stamp
+            self.camera.publish(image)
+            self.laser.publish(scan)
         if "emergency" in told:
             self.button.publish(Bool(data=told["emergency"]))
 

@@ -184,6 +184,20 @@ def test_every_detector_must_speak():
         detections.observed("people", 0.7)
 
 
+def test_detectors_that_share_a_topic_do_not_hide_each_other():
+    detections = Detections()
+    detections.expect("/detections", 0.0)
+    camera = '{"source": "camera", "classes": ["person"], "detections": ["person"]}'
+    lidar = '{"source": "lidar", "classes": ["obstacle"], "detections": []}'
+    for text in (camera, lidar):
+        detections.add("/detections", read_report(text), 0.0)
+    assert detections.observed("people", 0.1)
+    assert not detections.observed("obstacle", 0.1)
+    detections.add("/detections", read_report(lidar), 0.5)
+    with pytest.raises(Stale, match=r"/detections \(camera\) is 0\.60 s old"):
+        detections.observed("people", 0.6)
+
+
 def test_the_age_counts_from_the_stamp():
     detections = Detections()
     detections.add("camera", Report((PERSON,), stamp=100.0), now=10.0, clock=100.8)
@@ -220,13 +234,14 @@ def test_detection_2d_array():
         return Object(hypothesis=Object(class_id=name, score=score))
 
     message = Object(
-        header=Object(stamp=Object(sec=3, nanosec=500_000_000)),
+        header=Object(stamp=Object(sec=3, nanosec=500_000_000), frame_id="camera"),
         detections=[
             Object(results=[hypothesis("person", 0.6), hypothesis("dog", 0.3)]),
             Object(results=[]),
         ],
     )
-    assert report_of(message) == Report((Detection("person", 0.6), Detection("dog", 0.3)), 3.5)
+    found = (Detection("person", 0.6), Detection("dog", 0.3))
+    assert report_of(message) == Report(found, 3.5, source="camera")
     message.detections[0].results[1].hypothesis.score = math.nan
     with pytest.raises(ValueError):
         report_of(message)

@@ -59,30 +59,32 @@ class Detections:
     _sources: dict[str, _Source] = field(default_factory=dict, init=False)
     _asked: dict[str, float] = field(default_factory=dict, init=False)
 
-    def expect(self, source: str, now: float) -> None:
-        """From now on, this source counts as silent until it says something."""
-        self._sources.setdefault(source, _Source(now))
+    def expect(self, topic: str, now: float) -> None:
+        """From now on, this topic counts as silent until something is said there."""
+        self._sources.setdefault(topic, _Source(now))
 
-    def add(self, source: str, report: Report, now: float, clock: float | None = None) -> None:
-        """Take in a report.
+    def add(self, topic: str, report: Report, now: float, clock: float | None = None) -> None:
+        """Take in a report, which replaces the last one of the same source on the same topic.
 
         Args:
-            source: Who says it, for example the topic.
+            topic: Where it was said.
             report: What it says.
             now: The time.
             clock: The same time on the clock of the report's stamp.
         """
-        self.expect(source, now)
-        known = self._sources[source]
+        source = f"{topic} ({report.source})" if report.source else topic
+        known = self._sources.setdefault(source, _Source(now))
+        if source != topic and topic in self._sources and self._sources[topic].report is None:
+            del self._sources[topic]  # nobody speaks there without a name
         late = 0.0
         if self.use_stamps and report.stamp is not None:
             late = max(0.0, (time.time() if clock is None else clock) - report.stamp)
         known.report, known.received, known.problem = report, now - late, ""
 
-    def reject(self, source: str, problem: str, now: float) -> None:
+    def reject(self, topic: str, problem: str, now: float) -> None:
         """Note a message that cannot be read; it does not count as a report."""
-        self.expect(source, now)
-        self._sources[source].problem = problem
+        self.expect(topic, now)
+        self._sources[topic].problem = problem
 
     def observed(self, name: str, now: float) -> bool:
         """Whether some detector sees an object of a class.

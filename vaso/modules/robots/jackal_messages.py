@@ -41,11 +41,13 @@ class Report:
         stamp: When the image was taken, in seconds of the clock that :class:`Detections` is given
             as ``clock``; None if the message does not say.
         classes: All that this detector can see; None if the message does not say.
+        source: Which of several detectors on one topic says so.
     """
 
     detections: tuple[Detection, ...] = ()
     stamp: float | None = None
     classes: frozenset[str] | None = None
+    source: str = ""
 
 
 def read_report(text: str) -> Report:
@@ -68,12 +70,12 @@ def read_report(text: str) -> Report:
         return Report(tuple(_detection(d) for d in data))
     if not isinstance(data, dict):
         raise ValueError(f"neither a list nor an object, but {_short(data)}")
-    stamp, classes = _stamp(data), _classes(data)
+    rest = (_stamp(data), _classes(data), str(data.get("source") or ""))
     found = next((data[k] for k in _LISTS if k in data), None)
     if isinstance(found, list):
-        return Report(tuple(_detection(d) for d in found), stamp, classes)
+        return Report(tuple(_detection(d) for d in found), *rest)
     if found is None and _first(data, _NAMES, str) is not None:
-        return Report((_detection(data),), stamp, classes)
+        return Report((_detection(data),), *rest)
     raise ValueError(f"no list of detections in {_short(data)}")
 
 
@@ -138,7 +140,8 @@ def report_of(message: Any) -> Report:
     stamp = message.header.stamp.sec + message.header.stamp.nanosec * 1e-9
     found = [r.hypothesis for detection in message.detections for r in detection.results]
     named = [(str(h.class_id), h.score) for h in found]
-    return Report(tuple(Detection(n, _score(s, [n, s])) for n, s in named), stamp or None)
+    detections = tuple(Detection(n, _score(s, [n, s])) for n, s in named)
+    return Report(detections, stamp or None, source=str(message.header.frame_id))
 
 
 def motion_of(message: Any) -> dict[str, float]:
