@@ -67,6 +67,10 @@ def optimize(
         int | None,
         typer.Option(min=1, help="Candidates that loop asks for and judges at the same time."),
     ] = None,
+    field: Annotated[
+        list[Path] | None,
+        typer.Option(help="A log of the robot; what it violates counts. May be repeated."),
+    ] = None,
     steps: StepsOption = 10,
     loss_calls: LossCallsOption = None,
     lm_calls: LmCallsOption = None,
@@ -102,6 +106,7 @@ def optimize(
             resume=resume,
             budget=make_budget(steps, loss_calls, lm_calls, tokens, cost, seconds),
             candidates=candidates,
+            field=field or (),
             seed=seed,
             on_event=progress,
         )

@@ -16,6 +16,7 @@ _EXPORTS = {
     "Driver": "session",
     "EndOfRun": "budget",
     "Event": "events",
+    "FieldLoss": "field",
     "Loss": "base",
     "LossValue": "base",
     "LoopOptimizer": "loop",
@@ -45,6 +46,7 @@ __all__ = [
     "Driver",
     "EndOfRun",
     "Event",
+    "FieldLoss",
     "LoopOptimizer",
     "Loss",
     "LossValue",
@@ -77,6 +79,7 @@ if TYPE_CHECKING:
     )
     from vaso.optimizers.budget import Budget, EndOfRun, Spent
     from vaso.optimizers.events import Event
+    from vaso.optimizers.field import FieldLoss
     from vaso.optimizers.loop import LoopOptimizer
     from vaso.optimizers.loss import SkillLoss
     from vaso.optimizers.parameters import Parameters

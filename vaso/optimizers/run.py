@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vaso.errors import OptimizerError
 from vaso.feasibility import FeasibilityResult, check
@@ -14,6 +14,7 @@ from vaso.gradient.model import Level
 from vaso.lm import get_lm, import_dspy
 from vaso.optimizers.base import Case, OnEvent, Optimizer, Proposer
 from vaso.optimizers.budget import Budget, Ledger
+from vaso.optimizers.field import FieldLoss, field_reports
 from vaso.optimizers.loop import LoopOptimizer
 from vaso.optimizers.loss import Planner, SkillLoss
 from vaso.optimizers.metering import metered
@@ -25,6 +26,9 @@ from vaso.optimizers.session import DrivenOptimizer, Driver
 from vaso.optimizers.store import RunStore
 from vaso.skill import ParameterName, Skill
 from vaso.skill_file import load_skill
+
+if TYPE_CHECKING:
+    from vaso.monitoring.recorded import TraceReport
 
 
 def optimize(
@@ -41,6 +45,7 @@ def optimize(
     resume: bool = False,
     budget: Budget | int | dict[str, Any] | None = None,
     candidates: int | None = None,
+    field: Iterable[str | Path | TraceReport] = (),
     seed: int = 0,
     on_event: OnEvent | None = None,
 ) -> OptimizationResult:
@@ -63,6 +68,8 @@ def optimize(
         budget: What may be spent; a number is a number of steps.
         candidates: How many candidates are asked for and evaluated at the same time, for
             optimizers that can (``loop``); the best acceptable one is taken.
+        field: Logs of the robot (see :func:`vaso.monitoring.recorded.check_log`): a violation in
+            them counts against plans that would have done the same.
         seed: Seed of everything random.
         on_event: Called with every :class:`~vaso.optimizers.events.Event`.
 
@@ -95,7 +102,9 @@ def optimize(
         model = metered(get_lm(lm), ledger, journal) if needed else None
         drawing = model if planner_lm is None else metered(get_lm(planner_lm), ledger, journal)
         params = Parameters(start, trainable=trainable or _trainable(check(start)))
-        loss = SkillLoss(start, planner or _symbolic(), level=level)
+        model_loss = SkillLoss(start, planner or _symbolic(), level=level)
+        reports = field_reports(field, start)
+        loss = FieldLoss(model_loss, reports) if reports else model_loss
         common: dict[str, Any] = {"lm": model, "seed": seed, "on_event": on_event, "store": store}
         stack.enter_context(_using(drawing))
         if isinstance(chosen, LoopOptimizer | DrivenOptimizer):
