@@ -164,7 +164,10 @@ def main() -> None:
     """Run the driver of the VASO process that has started this one."""
     channel, given = connect_back()
     settings = PX4Settings(**given)
-    log = FlightLog(settings.flight_log)
+    try:
+        log = FlightLog(settings.flight_log)
+    except OSError as error:
+        raise SystemExit(f"the flight log cannot be written: {error}") from error
     try:
         vehicle = Vehicle(settings.url, log, settings.system)
     except (OSError, ValueError, ImportError) as error:
@@ -175,6 +178,7 @@ def main() -> None:
     signal.signal(signal.SIGTERM, driver.interrupt)
     channel.send("hello")
     driver.run()
+    log.close()
 
 
 if __name__ == "__main__":

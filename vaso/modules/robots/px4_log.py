@@ -12,31 +12,57 @@ import json
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from queue import SimpleQueue
+from threading import Thread
 from typing import Any
 
 __all__ = ["FlightLog"]
 
 RENAMED = {"type": "mav_type"}
+CLOSE_S = 2.0
 
 
 class FlightLog:
-    """Writes the log. One that cannot be written is given up: it must not disturb a flight."""
+    """Writes the log from a thread of its own: a slow disk must not hold up the set-points.
+
+    A log that cannot be written is given up, for the same reason.
+
+    Args:
+        path: The file; None to write nothing.
+
+    Raises:
+        OSError: The file cannot be made.
+    """
 
     def __init__(self, path: str | None) -> None:
         self._start = time.monotonic()
-        self._file = None
+        self._lines: SimpleQueue[dict[str, Any] | None] = SimpleQueue()
+        self._thread: Thread | None = None
         if path is not None:
             Path(path).parent.mkdir(parents=True, exist_ok=True)
-            self._file = Path(path).open("w", encoding="utf-8")  # noqa: SIM115 - open all the flight
+            Path(path).write_text("")
+            self._thread = Thread(target=self._write, args=(Path(path),), daemon=True)
+            self._thread.start()
 
     def write(self, kind: str, message: Mapping[str, Any]) -> None:
         """Add a line."""
-        if self._file is None:
-            return
-        fields = {RENAMED.get(k, k): v for k, v in message.items() if k != "mavpackettype"}
-        line = {"t": round(time.monotonic() - self._start, 4), "type": kind, **fields}
+        if self._thread is not None:
+            fields = {RENAMED.get(k, k): v for k, v in message.items() if k != "mavpackettype"}
+            since = round(time.monotonic() - self._start, 4)
+            self._lines.put({"t": since, "type": kind, **fields})
+
+    def close(self) -> None:
+        """Write what waits, for a short time at most."""
+        if self._thread is not None:
+            self._lines.put(None)
+            self._thread.join(CLOSE_S)
+
+    def _write(self, path: Path) -> None:
         try:
-            self._file.write(json.dumps(line, default=str) + "\n")
-            self._file.flush()
-        except (OSError, ValueError):
-            self._file = None
+            with path.open("a", encoding="utf-8") as file:
+                while (line := self._lines.get()) is not None:
+                    file.write(json.dumps(line, default=str) + "\n")
+                    if self._lines.empty():
+                        file.flush()
+        except OSError:
+            return
