@@ -130,34 +130,31 @@ def plan_for(skill: Skill, task: SimTask, version: Version) -> Plan:
     return SymbolicPlanner(places=task.places)(skill, task.prompt)
 
 
-def markdown(tallies: Sequence[Tally]) -> str:
-    """Two tables in Markdown: the skills, and their tasks."""
+def by_skill(tallies: Sequence[Tally]) -> str:
+    """A table in Markdown with a row for each skill and version."""
     keys = list(dict.fromkeys((t.skill, t.version) for t in tallies))
     whole = [Tally.of([t for t in tallies if (t.skill, t.version) == key]) for key in keys]
     lines = [
-        "| skill | plan from | runs | task completed | runs that keep all rules | rules kept |",
+        "| skill | plan | runs | completed | all rules kept | rules kept |",
         "|---|---|--:|--:|--:|--:|",
         *(_row(t) for t in whole),
-        "",
-        "| task | " + " | ".join(WORDS[v] for v in _versions(tallies)) + " |",
-        "|---|" + "--:|" * len(_versions(tallies)),
     ]
+    return "\n".join(lines) + "\n"
+
+
+def by_task(tallies: Sequence[Tally]) -> str:
+    """A table in Markdown with a row for each task: in how many runs it was completed."""
+    versions = _versions(tallies)
+    lines = [f"| task | {' | '.join(versions)} |", "|---|" + "--:|" * len(versions)]
     for skill, task in dict.fromkeys((t.skill, t.task) for t in tallies):
         cells = [
             f"{t.complete}/{t.runs}"
-            for version in _versions(tallies)
+            for version in versions
             for t in tallies
             if (t.skill, t.task, t.version) == (skill, task, version)
         ]
         lines.append(f"| {task} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
-
-
-WORDS: dict[str, str] = {
-    "initial": "`SKILL.initial.md`",
-    "verified": "`SKILL.md`",
-    "still": "doing nothing",
-}
 
 
 def _versions(tallies: Sequence[Tally]) -> list[Version]:
@@ -167,4 +164,4 @@ def _versions(tallies: Sequence[Tally]) -> list[Version]:
 def _row(t: Tally) -> str:
     shares = (t.complete / t.runs, t.safe / t.runs, t.kept / t.rules)
     told = " | ".join(f"{share:.0%}" for share in shares)
-    return f"| {t.skill} | {WORDS[t.version]} | {t.runs} | {told} |"
+    return f"| {t.skill} | {t.version} | {t.runs} | {told} |"

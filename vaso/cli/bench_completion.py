@@ -23,7 +23,10 @@ def completion(
     workers: Annotated[
         int | None, typer.Option(min=1, help="Processes; one a core by default.")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Write the tables to a Markdown file.")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Write the tables, also one of all tasks, to a Markdown file."),
+    ] = None,
     as_json: JsonOption = False,
 ) -> None:
     """Simulate all tasks: templates before and after optimization, and a plan that does nothing.
@@ -33,7 +36,7 @@ def completion(
     """
     from rich.markdown import Markdown
 
-    from vaso.bench.completion import SKILLS, markdown, measure
+    from vaso.bench.completion import SKILLS, by_skill, by_task, measure
     from vaso.bench.machine import describe_machine
 
     with Progress("simulating tasks") as progress:
@@ -43,14 +46,13 @@ def completion(
             workers=workers,
             on_done=lambda done, total: progress.update(done=done, total=total),
         )
-    tables = markdown(tallies)
     if out:
-        write_text(out, tables)
+        write_text(out, f"{by_skill(tallies)}\n{by_task(tallies)}")
     if as_json:
         emit({"machine": describe_machine(), "tallies": [asdict(t) for t in tallies]})
     else:
         console().print(f"{seeds} seeds of each task, on: {describe_machine()}")
-        console().print(Markdown(tables))
+        console().print(Markdown(by_skill(tallies)))
     verified = [t for t in tallies if t.version == "verified"]
     ok = all(t.safe == t.runs for t in verified) and not any(
         t.complete for t in tallies if t.version == "still"
