@@ -44,6 +44,17 @@ def test_metres_and_degrees_are_those_of_the_commands():
     assert robot.truth.turned == pytest.approx(0.5 * 3.1, abs=1e-3)
 
 
+def test_driving_in_a_circle_is_driving_in_a_circle():
+    robot = drive(jackal(), (0.3, 0.5, 1))
+    start = robot.truth.moments[-1]
+    go_on(robot, (0.3, 0.5, 40))
+    end, turn = robot.truth.moments[-1], 0.5 * 4.0
+    chord = 2 * (0.3 / 0.5) * math.sin(turn / 2)
+    middle = start.heading + turn / 2
+    assert end.x - start.x == pytest.approx(chord * math.cos(middle), abs=1e-6)
+    assert end.y - start.y == pytest.approx(chord * math.sin(middle), abs=1e-6)
+
+
 @settings(max_examples=50, deadline=None)
 @given(st.lists(COMMANDS, max_size=8))
 def test_left_is_the_mirror_image_of_right(commands):
@@ -103,6 +114,8 @@ def test_starting_inside_something_is_told():
         ((2.0, 0.0), True),
         ((2.0, 1.0), True),
         ((2.0, 2.0), False),
+        ((2.0, -1.0), True),
+        ((2.0, -2.0), False),
         ((-1.0, 0.0), False),
         ((6.5, 0.0), False),
     ],

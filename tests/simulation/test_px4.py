@@ -11,6 +11,7 @@ from vaso.errors import RobotError
 from vaso.execution import Robot
 from vaso.platforms import Issued
 from vaso.simulation import AirScene, Body, PX4Sim, Wind
+from vaso.simulation.autopilot import Tracker
 
 STILL_AIR = {"take_off": False, "body": Body(drag=(0.0, 0.0))}
 """Nothing but the response to set-points."""
@@ -114,6 +115,18 @@ def test_the_same_square_flown_open_loop_drifts_by_metres():
     truth = fly(PX4Sim(BREEZE, seed=2, tracking=False), *SQUARE).truth
     assert math.dist(truth.moments[-1].at, (0.0, 0.0)) > 3.0
     assert truth.highest < 4.5
+
+
+@settings(deadline=None)
+@given(*[st.tuples(*[st.floats(-3, 3)] * 3)] * 2)
+def test_corrections_are_bounded_and_lead_towards_the_path(setpoint, off):
+    tracker = Tracker((0.0, 0.0, 5.0))
+    wanted = tracker.steer(setpoint, (off[0], off[1], 5.0 + off[2]))
+    assert math.hypot(*wanted) <= max(0.9, math.hypot(*setpoint)) + 1e-9
+    slow = tracker.steer((0.2, 0.0, 0.0), (off[0], off[1], 5.0 + off[2]))
+    correction = (slow[0] - 0.2, slow[1], slow[2])
+    assert math.hypot(*correction) <= 0.3 + 1e-9
+    assert correction[0] * off[0] + correction[1] * off[1] - correction[2] * off[2] <= 1e-9
 
 
 def test_position_is_held_on_zero_velocity():

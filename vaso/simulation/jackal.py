@@ -255,10 +255,9 @@ class JackalSim:
         return touched
 
     def _touched(self, after: Pose, near: list[Solid]) -> str:
-        """What keeps the robot from a pose; nothing keeps it from moving away."""
+        """What keeps the robot from a pose; nobody keeps it from moving away."""
         for solid in near:
-            gap = solid.distance(after.at)
-            if gap < RADIUS and gap <= solid.distance(self._pose.at):
+            if solid.distance(after.at) < RADIUS:
                 return solid.name
         for walker in self._walkers:
             if walker.at is not None:

@@ -193,7 +193,6 @@ class AirScene(Part):
 
     Attributes:
         take_off: North and east of the take-off point in metres.
-        heading: Of the vehicle's nose, in degrees from north.
         wind: The wind.
     """
 
@@ -201,7 +200,6 @@ class AirScene(Part):
     name: str = ""
     description: str = ""
     take_off: Position = (0.0, 0.0)
-    heading: Finite = 0.0
     wind: Wind = Wind()
 
 
