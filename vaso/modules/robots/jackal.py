@@ -48,7 +48,7 @@ class JackalROS:
         self.name = f"jackal at {self.settings.velocity_topic}"
         self._driver: DriverProcess | None = None
         self._command = self.platform.rest
-        self._started = self._begun = self._due = 0.0
+        self._started = self._begun = self._due = self._acted = 0.0
         self._running = False
 
     @property
@@ -93,7 +93,7 @@ class JackalROS:
         self._command = self.platform.rest
         self._call("start")
         self._running = True
-        self._started = self._begun = self._due = time.monotonic()
+        self._started = self._begun = self._due = self._acted = time.monotonic()
 
     def read(self, sensor: str) -> Scalar:
         """Whether the detectors see an object now.
@@ -118,13 +118,9 @@ class JackalROS:
             raise RobotError(
                 f"the jackal has no command {command.name}", expected="velocity_publisher"
             )
-        self._call(
-            "command",
-            linear=command["linear"],
-            angular=command["angular"],
-            sent=time.monotonic(),  # all processes of a computer share this clock
-        )
-        self._command = command
+        now = time.monotonic()  # all processes of a computer share this clock
+        self._call("command", linear=command["linear"], angular=command["angular"], sent=now)
+        self._command, self._acted = command, now
 
     def wait(self) -> Period:
         """Let the rest of the period pass.
@@ -132,19 +128,18 @@ class JackalROS:
         Raises:
             RobotError: The driver has stopped the base meanwhile, or has gone.
         """
-        driver = self._connected()
-        self._due += self.platform.dt
-        while (left := self._due - time.monotonic()) > 0:
+        driver, dt = self._connected(), self.platform.dt
+        due = self._due + dt
+        end = due if self._acted < due else self._acted + dt  # a late command has its time, too
+        while (left := end - time.monotonic()) > 0:
             self._check(driver)
             driver.send("alive")
             time.sleep(min(left, ALIVE_S))
         self._check(driver)
         now = time.monotonic()
-        late = now - self._due
-        period = Period(now - self._started, now - self._begun, late if late > ON_TIME_S else 0.0)
-        if late > ON_TIME_S:
-            self._due = now
-        self._begun = now
+        is_late = now - due > ON_TIME_S
+        period = Period(now - self._started, now - self._begun, now - due if is_late else 0.0)
+        self._begun, self._due = now, now if is_late else due
         return period
 
     def measured(self) -> Mapping[str, float]:
