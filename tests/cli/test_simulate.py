@@ -2,7 +2,15 @@ import json
 
 import pytest
 
+from vaso.skill_file.library import find_folder
+
 SQUARE = "fly-in-square-shape-traj"
+
+
+def shipped_file(name):
+    return find_folder(name) / "completion.yaml"
+
+
 STILL = "vel_traj = [(0.0, 0.0, 0.0)] * 5\n"
 
 
@@ -84,6 +92,21 @@ def test_bad_input(vaso, options, message):
     assert found.code == 2
     assert message in found.err
     assert "Traceback" not in found.err
+
+
+def test_a_scene_for_another_robot(vaso):
+    tasks = shipped_file(SQUARE)
+    found = vaso("simulate", "drive", "--tasks", tasks, "--task", 1, "--seeds", 1)
+    assert found.code == 2
+    assert "this scene is for px4, and the skill drive is for jackal" in found.err
+
+
+def test_a_picture_that_cannot_be_drawn_loses_no_result(vaso, tmp_path):
+    picture = tmp_path / "run.doc"
+    found = vaso("simulate", "drive", "--task", 4, "--seeds", 1, "--picture", picture)
+    assert found.code == 2
+    assert "1 of 1 runs completed" in found.out
+    assert "run.doc" in found.err
 
 
 def test_a_plan_that_is_no_program_of_the_skill(vaso, tmp_path):

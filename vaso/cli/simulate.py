@@ -72,14 +72,14 @@ def simulate(
         raise VasoError("a picture is of one task", hint="name it with --task")
     given = get_plan(plan) if plan else None
     runs = _run(chosen, wanted, given, lm, range(seed, seed + seeds))
-    if picture or animation:
-        _draw(chosen, runs[0], picture, animation)
     if as_json:
         emit(_json(chosen, version, plan, lm, runs))
     else:
         from vaso.report.simulation import simulation_view, simulations_view
 
         console().print(simulation_view(runs[0]) if len(runs) == 1 else simulations_view(runs))
+    if picture or animation:
+        _draw(chosen, runs[0], picture, animation)
     leave(ExitCode.HOLDS if all(runs) else ExitCode.REFUTED)
 
 

@@ -7,8 +7,10 @@ from typing import TypeAlias
 
 from pydantic import BaseModel, ConfigDict
 
+from vaso.errors import SceneError
 from vaso.execution import RunLog, execute
 from vaso.plan.model import Plan
+from vaso.platforms import Platform, get_platform
 from vaso.simulation.jackal import JackalSim
 from vaso.simulation.px4 import PX4Sim
 from vaso.simulation.scene import Scene
@@ -123,9 +125,10 @@ def try_plan(skill: Skill, plan: Plan | str, task: SimTask, seed: int) -> Trial:
     Raises:
         PlanError: The plan is not a program of this skill.
         LabellingError: The labelling code does not run.
-        SceneError: The scene is impossible for this seed.
+        SceneError: The scene is impossible for this seed, or for another robot.
     """
     robot = simulator(task, seed)
+    _check_platform(skill, robot.platform)
     log = execute(skill, plan, robot, seconds=task.seconds)
     truth = robot.truth
     ending = log.ending
@@ -140,6 +143,21 @@ def try_plan(skill: Skill, plan: Plan | str, task: SimTask, seed: int) -> Trial:
         truth=truth,
         log=log,
     )
+
+
+def _check_platform(skill: Skill, simulated: Platform) -> None:
+    """Refuse the skill of another robot.
+
+    Raises:
+        SceneError: The skill's platform lacks commands of the simulated one.
+    """
+    own = get_platform(skill.platform)
+    lacking = {c.name for c in simulated.commands} - {c.name for c in own.commands}
+    if lacking:
+        raise SceneError(
+            f"this scene is for {simulated.name}, and the skill {skill.name} is for {own.name}",
+            hint="a ground scene is for skills of the jackal, an air scene for those of the px4",
+        )
 
 
 def simulator(task: SimTask, seed: int) -> JackalSim | PX4Sim:
