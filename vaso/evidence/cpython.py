@@ -29,7 +29,9 @@ WALL = 131072.0
 TICK = 2.0**-30
 """The virtual clock's resolution in seconds; a period lasts the next multiple of it."""
 LINES = 200_000
-"""Lines of Python that one run may execute."""
+"""Lines of Python that may be executed between two commands."""
+READS = 1_000
+"""Reads that a state may have, before the period passes."""
 
 
 @dataclass
@@ -184,15 +186,17 @@ class _Run:
         return valuation[key]
 
     def _notice(self) -> None:
-        """A plan that is back where it was, with nothing done, waits: the period passes."""
+        """A plan that is back where it was, with nothing done, waits: the period passes.
+
+        So it does for one that reads and reads without coming back, such as one that counts.
+        """
         if self._depth:
             return
         self._begin()
         here = fingerprint(sys._getframe(2), self._names)
-        if here in self._seen:
+        if here in self._seen or len(self._seen) > READS:
             self._hold()
-        else:
-            self._seen.add(here)
+        self._seen.add(here)
 
     def _rest(self) -> None:
         """The last command goes on."""
