@@ -34,9 +34,9 @@ class PX4Mavlink:
     ``docs/robots/px4.md`` has the list.
 
     Time is the vehicle's own (``time_boot_ms``). What is measured comes from LOCAL_POSITION_NED,
-    from the take-off point: ``altitude``, ``max_altitude``, ``linear_velocity``,
-    ``velocity_change`` (of the measured velocity, from one sample to the next), and ``x``, ``y``,
-    ``z`` (north, east, down). Altitude and velocity are 0 on the ground.
+    from the take-off point: ``altitude``, ``max_altitude``, ``linear_velocity``, and ``x``, ``y``,
+    ``z`` (north, east, down). Altitude and velocity are 0 on the ground. ``velocity_change`` is a
+    property of the commands, as in the platform: from one to the next.
 
     Args:
         connect: Where the vehicle is, as in

@@ -203,7 +203,7 @@ class Flight:
         self._log.write("VASO", {"event": "armed", "home": self.track.home})
         self._following.wait_for_command()
         if self._waiting is None:
-            self.answers.append(("start", {"measured": self.track.measured()}))
+            self.answers.append(("start", {"measured": self._following.measured()}))
         else:
             self._following.begin(*self._waiting)
             self._waiting = None
@@ -234,7 +234,7 @@ class Flight:
             self._begin_landing("the path has reached the ground")
             return
         fields: dict[str, Any] = dict(following.end())
-        self.answers.append(("act", {**fields, "measured": self.track.measured()}))
+        self.answers.append(("act", {**fields, "measured": self._following.measured()}))
 
     # landing
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 from vaso.modules.robots.px4_path import NominalPath, SetPoint, Vector
@@ -38,6 +39,8 @@ class Following:
         self._settings = settings
         self._period: _Period | None = None
         self._due: float | None = None
+        self._last: Vector = (0.0, 0.0, 0.0)
+        self._change = 0.0
         self._patience = settings.first_s
         self._idle_since = time.monotonic()
 
@@ -76,6 +79,8 @@ class Following:
         late = now - self._due if self._due is not None else GRACE_S
         start = now - late if 0 <= late < GRACE_S else now
         self._period = _Period(start, period)
+        self._change = math.dist(velocity, self._last)
+        self._last = velocity
         self.path.begin(velocity, period)
         self.path.advance(now - start)
 
@@ -88,6 +93,10 @@ class Following:
         self._patience = self._settings.stall_s
         late = max(0.0, now - period.due)
         return {"time": now, "seconds": now - period.start, "overrun": late}
+
+    def measured(self) -> dict[str, float]:
+        """The platform's numbers; ``velocity_change`` is from one command to the next."""
+        return self._track.measured() | {"velocity_change": self._change}
 
     def drop(self) -> None:
         """No command is in force any more."""

@@ -37,7 +37,6 @@ class Track:
         self._clock = 0.0
         self._start = 0.0
         self._highest = 0.0
-        self._sampled: Vector = (0.0, 0.0, 0.0)
 
     def observe(self) -> float:
         """Take in the newest position.
@@ -108,20 +107,17 @@ class Track:
         """The platform's numbers, and the position, in metres and m/s.
 
         On the ground, altitude and velocity are 0: an estimator at rest drifts. In the air the
-        altitude is above 0 for the same reason. ``velocity_change`` is since the last call.
+        altitude is above 0 for the same reason.
         """
         motion, place = self._vehicle.motion, self.place
         if motion is None or place is None:
             return {}
         velocity = (0.0, 0.0, 0.0) if self.grounded else motion.velocity
-        change = math.dist(velocity, self._sampled)
-        self._sampled = velocity
         altitude = 0.0 if self.grounded else max(LEAST_M, self.altitude)
         return {
             "altitude": altitude,
             "max_altitude": max(self._highest, altitude),
             "linear_velocity": math.hypot(*velocity),
-            "velocity_change": change,
             "x": place[0],
             "y": place[1],
             "z": place[2],
