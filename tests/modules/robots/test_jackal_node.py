@@ -8,6 +8,7 @@ import time
 
 import pytest
 
+from vaso.errors import RobotError
 from vaso.modules.robots.jackal_detections import Detections
 from vaso.modules.robots.jackal_guard import SILENCE_S, Guard
 from vaso.modules.robots.jackal_messages import Report, read_report
@@ -95,20 +96,34 @@ class Base:
         return ["geometry_msgs/msg/Twist"]
 
 
+class Watcher:
+    """A guard that remembers what it was told, and may be dead."""
+
+    def __init__(self):
+        self.told, self.problem = [], ""
+
+    def send(self, kind):
+        self.told.append(kind)
+
+    def check(self):
+        if self.problem:
+            raise RobotError(self.problem)
+
+
 class Rig:
     """A driver and VASO's end of its link."""
 
     def __init__(self, **settings):
         ours, theirs = socket.socketpair()
         self.vaso, self.base, self.detections = Channel(ours), Base(), Detections()
-        self.guard = []
+        self.guard = Watcher()
         self.driver = JackalDriver(
             Channel(theirs),
             self.base,
             self.detections,
             JackalSettings(**settings).for_driver(),
             threading.Lock(),
-            self.guard.append,
+            self.guard,
         )
         self.see(Report())
 
@@ -133,7 +148,7 @@ def test_nothing_is_published_before_the_start(rig):
     assert rig.tick()["running"] is False
     assert "error" in rig.ask("command", linear=0.3, angular=0.0)
     assert rig.base.told == []
-    assert "tick" not in rig.guard
+    assert "tick" not in rig.guard.told
 
 
 def test_a_command_goes_out_at_once_and_at_every_tick(rig):
@@ -143,7 +158,7 @@ def test_a_command_goes_out_at_once_and_at_every_tick(rig):
     state = rig.tick()
     assert rig.base.told[-2:] == [(0.3, 0.1)] * 2
     assert state["velocity"] == [0.3, 0.1]
-    assert rig.guard[-1] == "tick"
+    assert rig.guard.told[-1] == "tick"
 
 
 def test_a_reading(rig):
@@ -180,6 +195,8 @@ def trouble(rig, what):
             rig.base.listeners = 0
         case "emergency":
             rig.base.emergency = True
+        case "unguarded":
+            rig.guard.problem = "the guard has ended"
         case "ros":
             rig.base.problem = "the ROS node does not run any more"
 
@@ -190,6 +207,7 @@ def trouble(rig, what):
         ("stale", "the last report on /detections is 0.60 s old"),
         ("deaf", "nothing listens to /j100_0000/cmd_vel any more"),
         ("emergency", "the emergency stop is pressed"),
+        ("unguarded", "the guard has ended"),
         ("ros", "the ROS node does not run any more"),
     ],
 )
@@ -203,6 +221,7 @@ def test_trouble_stops_the_base_for_good(rig, what, reason):
     assert rig.base.told[-1] == (0.0, 0.0)
     rig.see(Report())
     rig.base.listeners, rig.base.emergency, rig.base.problem = 1, False, ""
+    rig.guard.problem = ""
     refused = rig.ask("command", linear=0.3, angular=0.0)
     assert refused["error"].startswith(reason)
     assert refused["name"] == ("StaleReadingError" if what == "stale" else "RobotError")
@@ -244,7 +263,7 @@ def test_the_driver_ends_at_rest_when_vaso_goes(rig, how):
     thread.join(10)
     assert not thread.is_alive()
     assert rig.base.told[-5:] == [(0.0, 0.0)] * 5
-    assert rig.guard[-1] == "idle"
+    assert rig.guard.told[-1] == "idle"
 
 
 def test_every_message_can_travel_as_json(rig):

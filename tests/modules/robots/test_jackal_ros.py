@@ -234,6 +234,15 @@ def test_a_driver_that_dies_or_hangs(fresh, peer, number):
         assert not peer.moves()
 
 
+@pytest.mark.slow
+def test_the_guard_dies(fresh, peer):
+    pid = fresh.driver_pid
+    guard = int(Path(f"/proc/{pid}/task/{pid}/children").read_text().split()[0])
+    os.kill(guard, signal.SIGKILL)
+    peer.assert_stopped(time.monotonic())
+    assert "the guard has ended" in drive_until_refused(fresh).message
+
+
 def test_the_link_is_lost(fresh, peer):
     fresh._driver._channel._socket.shutdown(2)
     peer.assert_stopped(time.monotonic())

@@ -52,6 +52,11 @@ def test_a_skill_without_sensors_needs_no_detector():
     assert JackalSettings(detections="", detections_2d="/yolo").for_driver()["needs_detections"]
 
 
+def test_vision_msgs_come_instead_of_json_unless_both_are_named():
+    assert JackalSettings(detections_2d="/yolo").detectors == ["/yolo"]
+    assert JackalSettings(detections_2d="/yolo", detections="/x").detectors == ["/x", "/yolo"]
+
+
 @pytest.mark.parametrize(
     ("url", "message"),
     [

@@ -32,6 +32,7 @@ class _Source:
     since: float
     report: Report | None = None
     received: float = -math.inf
+    late: float = 0.0
     problem: str = ""
 
 
@@ -79,7 +80,8 @@ class Detections:
         late = 0.0
         if self.use_stamps and report.stamp is not None:
             late = max(0.0, (time.time() if clock is None else clock) - report.stamp)
-        known.report, known.received, known.problem = report, now - late, ""
+        known.report, known.received = report, now - late
+        known.late, known.problem = late, ""
 
     def reject(self, topic: str, problem: str, now: float) -> None:
         """Note a message that cannot be read; it does not count as a report."""
@@ -148,9 +150,10 @@ def _silence(source: str, known: _Source, now: float, limit: float) -> str:
     if known.report is None:
         said = f"{source} has said nothing for {now - known.since:.1f} s"
     else:
-        said = (
-            f"the last report on {source} is {now - known.received:.2f} s old (limit {limit:g} s)"
-        )
+        age = now - known.received
+        said = f"the last report on {source} is {age:.2f} s old (limit {limit:g} s)"
+        if known.late > limit:
+            said += f"; by its stamp it came {known.late:.2f} s late: do the clocks agree?"
     return said + (f"; the last message cannot be read: {known.problem}" if known.problem else "")
 
 

@@ -11,7 +11,6 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Protocol
 
@@ -45,6 +44,13 @@ class Base(Protocol):
     def other_types(self) -> list[str]: ...
 
 
+class Guardian(Protocol):
+    """The link to the guard: :class:`~vaso.modules.robots.driver_process.DriverProcess`."""
+
+    def send(self, kind: str) -> None: ...
+    def check(self) -> None: ...
+
+
 class JackalDriver:
     """Answers VASO, and decides at every tick which velocity goes out.
 
@@ -54,7 +60,7 @@ class JackalDriver:
         detections: What detectors say; ``base`` writes into it.
         settings: As :class:`~vaso.modules.robots.jackal_settings.JackalSettings` has them.
         lock: Held while ``base`` writes.
-        guard: Tells the guard ``tick`` or ``idle``.
+        guard: Is told ``tick`` or ``idle``.
     """
 
     def __init__(
@@ -64,7 +70,7 @@ class JackalDriver:
         detections: Detections,
         settings: Message,
         lock: threading.Lock,
-        guard: Callable[[str], None],
+        guard: Guardian,
     ) -> None:
         self.watchdog = Watchdog(
             settings["command_timeout"], settings["max_linear"], settings["max_angular"]
@@ -106,9 +112,9 @@ class JackalDriver:
         end = time.monotonic() + seconds
         while self._publish_until and time.monotonic() < end:
             self._base.publish(0.0, 0.0)
-            self._guard("tick")
+            self._guard.send("tick")
             time.sleep(TICK_S)
-        self._guard("idle")
+        self._guard.send("idle")
 
     def handle(self, message: Message) -> None:
         """Carry out one message from VASO."""
@@ -193,6 +199,10 @@ class JackalDriver:
             self.watchdog.trip("the emergency stop is pressed")
         if self._base.problem:
             self.watchdog.trip(self._base.problem)
+        try:
+            self._guard.check()
+        except RobotError as error:
+            self.watchdog.trip(error.message)
         if not self._base.listeners:
             self.watchdog.trip(f"nothing listens to {self._settings['velocity_topic']} any more")
         if moving and self._settings["needs_detections"]:
@@ -206,7 +216,7 @@ class JackalDriver:
     def _publish(self, now: float) -> None:
         if now < self._publish_until:
             self._base.publish(*self.watchdog.velocity(now))
-        self._guard("tick" if now < self._publish_until else "idle")
+        self._guard.send("tick" if now < self._publish_until else "idle")
 
 
 def main() -> None:
@@ -241,7 +251,7 @@ def _driver(
     detections = Detections(**{name: settings[name] for name in limits})
     lock = threading.Lock()
     topics = Topics(settings, detections, lock)
-    return JackalDriver(channel, topics, detections, settings, lock, guard.send), topics
+    return JackalDriver(channel, topics, detections, settings, lock, guard), topics
 
 
 if __name__ == "__main__":

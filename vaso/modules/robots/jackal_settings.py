@@ -27,7 +27,8 @@ class JackalSettings(BaseModel):
         stamped: Whether as geometry_msgs/TwistStamped (Jazzy) or as Twist (Humble).
         zero_stamps: Leave the stamps of velocities at zero, for a base whose clock differs from
             this computer's: it then takes its own time.
-        detections: Topic of std_msgs/String with JSON; ``<namespace>/detections``.
+        detections: Topic of std_msgs/String with JSON; ``<namespace>/detections``, unless
+            ``detections_2d`` is given.
         detections_2d: Topic of vision_msgs/Detection2DArray; not used by default.
         odometry_topic: Topic of nav_msgs/Odometry; ``<namespace>/platform/odom/filtered``.
         emergency_topic: Topic of std_msgs/Bool; ``<namespace>/platform/emergency_stop``.
@@ -124,6 +125,8 @@ class JackalSettings(BaseModel):
             "emergency_topic": "platform/emergency_stop",
         }
         given = {name: getattr(self, name) for name in usual}
+        if self.detections_2d and self.detections is None:
+            given["detections"] = ""
         return {
             "velocity_topic": self.velocity_topic,
             "detections_2d": self.detections_2d,
