@@ -57,7 +57,7 @@ def test_an_edit_that_changes_nothing_does_not_help(log):
 def test_an_optimizer_takes_it(log):
     class Slower:
         name, needs_lm, deterministic = "slower", False, True
-        seen: list[str] = []
+        seen = []  # noqa: RUF012 - one instance
 
         def propose(self, state):
             self.seen.append(str(next(iter(state.values.values())).gradient))

@@ -115,6 +115,24 @@ set_points = st.builds(
 stretches = st.lists(st.tuples(set_points, st.integers(1, 15)), min_size=1, max_size=8)
 
 
+@pytest.mark.slow
+def test_many_random_runs():
+    """More of the same: 150 programs, 150 command sequences, 300 flights."""
+    for seed in range(150):
+        test_no_program_breaks_the_rules_of_the_jackal.hypothesis.inner_test(seed)
+        rng = random.Random(seed)
+        commands = [drive(rng.uniform(-1, 1), rng.uniform(-2, 2)) for _ in range(60)]
+        test_no_command_breaks_the_rules_of_the_jackal.hypothesis.inner_test(commands, seed)
+    inner = test_no_set_points_break_the_altitude_of_the_px4.hypothesis.inner_test
+    for seed in range(300):
+        rng = random.Random(seed)
+        parts = [
+            (fly(rng.uniform(-2, 2), rng.uniform(-2, 2), rng.uniform(-3, 1)), rng.randint(1, 20))
+            for _ in range(rng.randint(1, 10))
+        ]
+        inner(parts, seed, tracking=seed % 2 == 0, rules=seed % 3 == 0)
+
+
 @settings(max_examples=10, deadline=None, phases=QUICK)
 @given(stretches, seeds, st.booleans(), st.booleans())
 def test_no_set_points_break_the_altitude_of_the_px4(parts, seed, tracking, rules):

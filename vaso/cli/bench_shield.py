@@ -27,10 +27,10 @@ def shield(
         return
     out = console()
     out.print(f"Milliseconds a step, {steps} random steps a skill, on: {describe_machine()}")
-    table = Table("skill", "rules", "replaced", "CPU", "median", "99 %", "worst", box=SIMPLE)
+    table = Table("skill", "rules", "blocked", "CPU", "median", "99 %", "worst", box=SIMPLE)
     table.columns[0].no_wrap = True
     table.columns[0].min_width = 24
     for row in rows:
-        times = (f"{t:.3f}" for t in (row.processor, row.median, row.high, row.worst))
+        times = (f"{t:.2f}" for t in (row.processor, row.median, row.high, row.worst))
         table.add_row(row.skill, str(row.rules), f"{row.replaced:.0%}", *times)
     out.print(table)

@@ -129,20 +129,36 @@ class Guarded:
 
     def loses_at_once(self, letters: tuple[Partial, ...]) -> bool:
         """Whether the rule may be lost in the next state already, whatever follows it."""
-        reached = self.monitor.all_after(self._possible, letters[0])
-        return any(self.monitor.truth(s) is Truth.VIOLATED for s in reached)
+        return bool(self._lost_at_once(letters))
+
+    def loses_surely(self, letters: tuple[Partial, ...]) -> bool:
+        """Whether it is lost in the next state, whatever sensors show and numbers will be."""
+        first = tuple(
+            None if isinstance(atom, Comparison) and not value else value
+            for atom, value in zip(self.monitor.atoms, letters[0], strict=True)
+        )
+        reached = self.monitor.all_after(self._possible, first)
+        return all(self.monitor.truth(s) is Truth.VIOLATED for s in reached)
+
+    def _lost_at_once(self, letters: tuple[Partial, ...]) -> set[Letter]:
+        """The letters of the next state with which the rule may be lost in it."""
+        return {
+            _guess(letter, letters[0])
+            for letter in completions(letters[0])
+            for here in self._possible
+            if self.monitor.truth(self.monitor.after(here, letter)) is Truth.VIOLATED
+        }
 
     def _losing(self, letters: tuple[Partial, ...]) -> Iterator[Guess]:
         first, rest = letters[0], letters[1:]
-        unknown = [i for i, value in enumerate(first) if value is None]
-        if len(unknown) > MAX_UNKNOWN:
+        if first.count(None) > MAX_UNKNOWN:
             if self._may_lose(self.monitor.all_after(self._possible, first), rest or (first,)):
                 yield ()
             return
         for letter in completions(first):
             reached = frozenset(self.monitor.after(s, letter) for s in self._possible)
             if self._may_lose(reached, rest or (first,)):
-                yield tuple(letter[i] for i in unknown)
+                yield _guess(letter, first)
 
     def _may_lose(self, here: frozenset[Situation], letters: Sequence[Partial]) -> bool:
         """Whether the rule may be lost under the letters, the last one of which is repeated."""
@@ -160,17 +176,24 @@ class Guarded:
     def no_worse(
         self,
         phases: Sequence[Phase],
-        letters: Sequence[Letter | Partial],
+        letters: tuple[Partial, ...],
         safe_phases: Sequence[Phase],
-        safe_letters: Sequence[Letter | Partial],
+        safe_letters: tuple[Partial, ...],
     ) -> bool:
-        """Whether one forecast is no worse for the rule than that of the safe command."""
+        """Whether one forecast is no worse for the rule than that of the safe command.
+
+        That is so where numbers come no nearer to their limits, and actions are the same or at
+        least no more likely to lose the rule at once; never where that is sure.
+        """
+        if self.loses_surely(letters):
+            return False
+        keeps = self._lost_at_once(letters) <= self._lost_at_once(safe_letters)
         for index, atom in enumerate(self.monitor.atoms):
             if isinstance(atom, Comparison) and self.robust:
                 worst, safe = _excess(atom, phases), _excess(atom, safe_phases)
                 if worst > safe + TOLERANCE:
                     return False
-            elif letters[0][index] != safe_letters[0][index]:
+            elif letters[0][index] != safe_letters[0][index] and not keeps:
                 return False
         return True
 
@@ -213,6 +236,11 @@ def _excess(atom: Comparison, phases: Sequence[Phase]) -> float:
             else max(above, below),
         )
     return found
+
+
+def _guess(letter: Letter, partial: Partial) -> Guess:
+    """The part of a letter that was not known."""
+    return tuple(v for v, known in zip(letter, partial, strict=True) if known is None)
 
 
 def _is_literal(formula: Formula) -> bool:
