@@ -1,4 +1,9 @@
+"""Makes shorthands importable from the tests of this folder, and opens pages."""
+
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))
+FOLDER = Path(__file__).parent
+sys.path[:0] = [str(FOLDER), str(FOLDER.parent)]
+
+from browser import browser, open_page  # noqa: E402, F401

@@ -3,8 +3,19 @@ const run = JSON.parse(document.getElementById("data").textContent);
 const byId = (id) => document.getElementById(id);
 const canvas = byId("map"), pen = canvas.getContext("2d");
 const isGround = run.kind === "ground";
-const INK = "#1c2430", SOFT = "#566070", LIGHT = "#e8ecf1";
+const OF_THE_THEME = { drives: "accent", flies: "accent", view: "accent", wall: "ink", lands: "fail" };
+let INK, SOFT, LIGHT, PAPER, LIMIT;
 let now = 0, playing = false, last = 0;
+
+// Colours follow the system's light or dark scheme.
+function theme(name) {
+  return getComputedStyle(document.body).getPropertyValue(`--${name}`).trim();
+}
+
+function readTheme() {
+  [INK, SOFT, LIGHT, PAPER, LIMIT] = ["ink", "soft", "line", "paper", "fail"].map(theme);
+  for (const [name, variable] of Object.entries(OF_THE_THEME)) run.colours[name] = theme(variable);
+}
 
 // The plane, and for a flight a second panel with altitude over time beside it.
 function layout() {
@@ -45,7 +56,7 @@ function shape(points, fill, edge) {
   pen.fillStyle = fill;
   pen.fill();
   pen.strokeStyle = edge;
-  pen.lineWidth = 1.2;
+  pen.lineWidth = 1.4;
   pen.stroke();
 }
 
@@ -94,7 +105,7 @@ function drawGround(at, number) {
   for (const wall of run.walls) line(wall.map(point), things.wall, 3);
   for (const [name, corners, middle] of run.furniture) {
     shape(corners.map(point), things.furniture, things.edge);
-    word(name, at.x(middle[0]), at.y(middle[1]) + 4);
+    word(name, at.x(middle[0]), at.y(middle[1]) + 4, "#1c2430");
   }
   for (const [name, middle, radius] of run.objects) {
     disc(at.x(middle[0]), at.y(middle[1]), radius * at.zoom, things.object, INK);
@@ -105,9 +116,10 @@ function drawGround(at, number) {
     const a = run.frames[i - 1], b = run.frames[i];
     if (a[1] !== b[1] || a[2] !== b[2])
       line([point([a[1], a[2]]), point([b[1], b[2]])], run.colours[run.did[i]] || INK, 3);
-    else if (run.did[i] && run.did[i] !== "stands" && run.did[i] !== run.did[i - 1])
-      disc(at.x(b[1]), at.y(b[2]), 4, run.colours[run.did[i]], "#fff");
   }
+  for (let i = 1; i <= number; i++)
+    if (/^(turns|touches)/.test(run.did[i]) && run.did[i] !== run.did[i - 1])
+      disc(at.x(run.frames[i][1]), at.y(run.frames[i][2]), 4.5, run.colours[run.did[i]], PAPER);
   const [, x, y, heading, people, , contact] = run.frames[number];
   drawView(at, x, y, heading);
   people.forEach((spot, i) => {
@@ -118,7 +130,7 @@ function drawGround(at, number) {
   const [long, wide] = run.footprint, c = Math.cos(heading), s = Math.sin(heading);
   const corner = (u, v) => point([x + u * long * c - v * wide * s, y + u * long * s + v * wide * c]);
   const body = [corner(0.5, 0.5), corner(-0.5, 0.5), corner(-0.5, -0.5), corner(0.5, -0.5)];
-  shape(body, contact ? run.colours.touches : "#fff", INK);
+  shape(body, contact ? run.colours.touches : PAPER, INK);
   line([point([x, y]), point([x + 0.45 * c, y + 0.45 * s])], INK, 2.5);
 }
 
@@ -128,7 +140,7 @@ function drawFlight(at, number) {
   line(run.planned.map((p) => [at.x(p[2]), at.y(p[1])]), SOFT, 1.2, [5, 4]);
   line(flown.map((p) => [at.x(p[2]), at.y(p[1])]), run.colours.flies, 2.5);
   const [, east, north] = run.frames[number];
-  disc(at.x(east), at.y(north), 7, "#fff", INK);
+  disc(at.x(east), at.y(north), 7, PAPER, INK);
   word("from above, north is up", at.panel / 2, 14, SOFT);
   const top = 1.12 * Math.max(run.highest, run.limit || 0);
   const left = at.panel + 50, right = at.width - 12, low = at.height - 22;
@@ -141,8 +153,8 @@ function drawFlight(at, number) {
   line(run.planned.map((p) => [x(p[0]), y(p[3])]), SOFT, 1.2, [5, 4]);
   line(flown.map((p) => [x(p[0]), y(p[3])]), run.colours.flies, 2.5);
   if (run.limit != null) {
-    line([[left, y(run.limit)], [right, y(run.limit)]], run.colours.lands, 1.4);
-    word(`limit of the rules: ${run.limit} m`, right, y(run.limit) - 5, run.colours.lands, "right");
+    line([[left, y(run.limit)], [right, y(run.limit)]], LIMIT, 1.4);
+    word(`limit of the rules: ${run.limit} m`, right, y(run.limit) - 5, LIMIT, "right");
   }
 }
 
@@ -165,14 +177,14 @@ function show() {
     : `${frame[3].toFixed(2)} m high, ${frame[4].toFixed(2)} m/s`;
 }
 
-function tick(stamp) {
+function tick() {
   if (!playing) return;
-  const end = run.frames[run.frames.length - 1][0];
+  const end = run.frames[run.frames.length - 1][0], stamp = performance.now();
   now = Math.min(end, now + ((stamp - last) / 1000) * Number(byId("speed").value));
   last = stamp;
   show();
   if (now >= end) return toggle();
-  requestAnimationFrame(tick);
+  setTimeout(tick, 30);
 }
 
 function toggle() {
@@ -181,7 +193,7 @@ function toggle() {
   if (!playing) return;
   if (now >= run.frames[run.frames.length - 1][0]) now = 0;
   last = performance.now();
-  requestAnimationFrame(tick);
+  tick();
 }
 
 if (!isGround) byId("seen").parentElement.remove();
@@ -189,6 +201,8 @@ byId("time").max = run.frames.length - 1;
 byId("time").oninput = (event) => { now = Number(event.target.value) * run.dt; show(); };
 byId("play").onclick = toggle;
 window.onresize = show;
+matchMedia("(prefers-color-scheme: dark)").onchange = () => { readTheme(); show(); };
+readTheme();
 if (isGround)
   for (const what of new Set(run.did.filter((d) => d && d !== "stands"))) {
     const entry = document.createElement("span");

@@ -9,6 +9,7 @@ from importlib.resources import files
 from typing import Any
 
 from vaso.execution import Record, RunLog
+from vaso.report.palette import variables
 from vaso.simulation import flight_picture, ground_picture
 from vaso.simulation.activity import Span, activities
 from vaso.simulation.colours import ACTIVITY, PEOPLE, SOLID
@@ -40,6 +41,7 @@ def page(
     folder = files("vaso.simulation")
     text = (folder / "page.html").read_text(encoding="utf-8")
     for name, part in (
+        ("STYLE", variables("body")),
         ("TITLE", html.escape(title or "run")),
         ("SCRIPT", (folder / "page.js").read_text(encoding="utf-8")),
         ("DATA", json.dumps(data, ensure_ascii=False, allow_nan=False).replace("</", "<\\/")),
