@@ -222,6 +222,24 @@ def absent(name):
     raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 
+@pytest.mark.parametrize("make", [JackalSim, PX4Sim])
+@pytest.mark.parametrize("name", ["run.png", "run.gif", "run.html"])
+def test_a_run_that_ended_before_its_first_command_can_be_drawn(tmp_path, make, name):
+    pytest.importorskip("matplotlib")
+    robot = make()
+    robot.connect()
+    robot.start()
+    where = "picture" if name == "run.png" else "animation"
+    drawing.draw(log_of(robot), robot, **{where: tmp_path / name})
+    assert (tmp_path / name).stat().st_size > 1000
+
+
+def test_what_happened_survives_being_written(drive, flight):
+    alone = JackalSim().truth  # the nearest person is infinitely far away
+    for truth in (drive.truth, flight.truth, alone):
+        assert type(truth).model_validate_json(truth.model_dump_json()) == truth
+
+
 def test_limits_are_those_of_the_rules():
     rules = ("G(altitude < 10)", "G (linear_velocity <= 1)", "G(8 > altitude)", "F(speed < 1)")
     skill = Skill(name="s", platform="px4", global_rules=tuple(Rule(text=t) for t in rules))

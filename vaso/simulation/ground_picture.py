@@ -42,7 +42,8 @@ def draw_ground(figure: Any, truth: GroundTruth, log: RunLog | None) -> None:
     _draw_robot(chart, truth.moments[-1], "#ffffff")
     _draw_events(chart, truth, log)
     _draw_time(line, truth, seen)
-    figure.legend(loc="outside lower center", ncols=8, frameon=False, fontsize=8.5)
+    if chart.get_legend_handles_labels()[0]:
+        figure.legend(loc="outside lower center", ncols=8, frameon=False, fontsize=8.5)
 
 
 def view_of(truth: GroundTruth) -> tuple[Point, Point]:

@@ -18,7 +18,7 @@ Vector: TypeAlias = tuple[float, float, float]
 
 
 class _Model(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="strings")
 
 
 class GroundMoment(_Model):
@@ -73,7 +73,6 @@ class GroundTruth(_Model):
         camera: What the robot looked with.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", ser_json_inf_nan="strings")
     scene: Scene
     seed: int
     dt: float
