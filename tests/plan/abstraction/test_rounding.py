@@ -105,6 +105,38 @@ while time.time() - start < 3.0:{LOOK}forward()
 forward()
 """
 
+FACTORY = f"""
+last = 0
+begin = 0
+class Reset:
+    def __init__(self):
+        global begin
+        begin = last
+class Maker:
+    def __init__(self):
+        self.make = Reset
+maker = Maker()
+while True:{LOOK}    maker.make()
+    if begin > 5:
+        forward()
+        forward()
+    last = last + 1
+"""
+
+WIDTH = f"""
+n = 0
+def show():
+    try:
+        print(f"{{'x':{{3 - n}}}}")
+    except ValueError:
+        forward()
+        forward()
+while True:{LOOK}    show()
+    n += 1
+"""
+
+FORMAT = WIDTH.replace("""f"{'x':{3 - n}}\"""", '"{:{}}".format("x", 3 - n)')
+
 PLANS = {
     "a product that ties": TIED,
     "decimals from another place": SHIFTED,
@@ -114,6 +146,9 @@ PLANS = {
     "a clock by another name": HIDDEN,
     "nanoseconds": NANOSECONDS,
     "two clocks": MIXED,
+    "a class as a value": FACTORY,
+    "a width that fails": WIDTH,
+    "a width for format": FORMAT,
 }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from typing import TypeGuard
@@ -66,8 +67,10 @@ class Expressions(Calls):
         """Evaluate an expression whose value is of no interest, as what is printed."""
         if isinstance(node, ast.JoinedStr):
             shown = [v for v in node.values if isinstance(v, ast.FormattedValue)]
-            parts = [p for v in shown for p in (v.value, v.format_spec) if p is not None]
-            return self._all_ignored(parts, after, scope)
+            # Another width may raise an exception.
+            widths = [s for v in shown if (s := v.format_spec) is not None]
+            after = self.looked_at(widths, after, scope)
+            return self._all_ignored([v.value for v in shown], after, scope)
         if isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Add, ast.Sub)):
             return self._all_ignored([node.left, node.right], after, scope)
         if self.fields.variable(node, scope) is not None:
@@ -91,7 +94,7 @@ class Expressions(Calls):
             if name == "print" and not own:
                 given = [*node.args, *(k.value for k in node.keywords)]
                 return self._all_ignored(given, after, scope)
-            if name in _SHOWN and plain and not own:
+            if name in _SHOWN and plain and not own and (name != "int" or len(node.args) == 1):
                 return self._all_ignored(node.args, after, scope)
         return self.value(node, self.temporary(scope), after, scope)
 
@@ -251,12 +254,13 @@ class Expressions(Calls):
 
 
 def _is_format(node: ast.expr) -> TypeGuard[ast.Call]:
-    """``"…".format(…)`` without keywords."""
+    """``"…".format(…)`` without keywords, and without widths that are values."""
     return (
         isinstance(node, ast.Call)
         and isinstance(node.func, ast.Attribute)
         and node.func.attr == "format"
         and isinstance(node.func.value, ast.Constant)
+        and not re.search(r"\{[^{}]*\{", str(node.func.value.value))
         and not node.keywords
         and not any(isinstance(a, ast.Starred) for a in node.args)
     )

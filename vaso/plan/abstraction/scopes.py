@@ -233,6 +233,7 @@ class Scopes:
             sure = use.called and self.called(ast.Name(use.name, ast.Load()), use.scope) is not None
             if not sure:
                 self.loose |= {self.of[w].number for w in ways if isinstance(w, ast.FunctionDef)}
+                self.loose |= {self.of[m].number for w in ways for m in _constructors(w)}
         for name in self._attributes & set(self.methods):
             self.loose |= self.methods[name]
         self.escaping = self.loose.union(*self.methods.values())
@@ -260,6 +261,12 @@ def parameters(node: Function) -> list[str]:
     given = node.args
     extra = [a for a in (given.vararg, given.kwarg) if a is not None]
     return [a.arg for a in (*given.posonlyargs, *given.args, *given.kwonlyargs, *extra)]
+
+
+def _constructors(node: ast.AST) -> list[ast.FunctionDef]:
+    """What runs when a class that is passed about as a value is called."""
+    body = node.body if isinstance(node, ast.ClassDef) else []
+    return [m for m in body if isinstance(m, ast.FunctionDef) and m.name in CONSTRUCTORS]
 
 
 def _bound(node: ast.AST) -> list[str]:
