@@ -62,10 +62,16 @@ def test_a_platform_makes_it_an_air_scene():
     "text, said",
     [
         ("name: x\nrobot:\n  at: [1, .nan]\n", "scene:3: robot.at.1: Input should be a finite"),
-        ("name: x\nrobots: []\n", "scene:2: robots: Extra inputs"),
+        ("name: x\nrobots: []\n", "scene:2: robots: There is no such field"),
         ("people:\n  - speed: 1\n", "scene:2: people.0: a person has either a path"),
         ("people:\n  - path: [[1, 2]]\n    speed: fast\n", "scene:3: people.0.speed"),
         ("platform: px4\nwind:\n  gusts: -1\n", "scene:3: wind.gusts"),
+        (
+            "walls:\n  - [[0, 0]]\n",
+            "scene:2: walls.0: This list should have at least 2 items, not 1",
+        ),
+        ("robot:\n  5\n", "scene:1: robot: Input should be fields with values"),
+        ("doorways:\n  - name: a\n", "scene:2: doorways.0.ends: This is missing"),
         ("platform: boat\nname: x\n", "scene:1: platform must be jackal"),
         ("- 1\n- 2\n", "scene: this is no scene"),
         ("a: [\n", "scene:2: this is no YAML"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,16 @@ from vaso.errors import SceneError
 from vaso.simulation.scene import SCENE, AirScene, Scene
 
 __all__ = ["load_scene"]
+
+_WORDS = (
+    ("^Value error, ", ""),
+    (r"a valid dictionary or instance of \w+", "fields with values"),
+    ("a valid tuple", "a list"),
+    ("^Tuple should", "This list should"),
+    (" after validation", ""),
+    ("^Extra inputs are not permitted", "There is no such field"),
+    ("^Field required", "This is missing"),
+)
 
 
 def load_scene(source: str | Path) -> Scene | AirScene:
@@ -58,10 +69,17 @@ def _scene(text: str, source: str) -> Scene | AirScene:
         first = error.errors(include_url=False)[0]
         place = first["loc"][1:] if first["loc"][:1] in (("jackal",), ("px4",)) else first["loc"]
         field = ".".join(str(part) for part in place)
-        problem = first["msg"].removeprefix("Value error, ")
+        problem = _plain(first["msg"])
         raise SceneError(
             f"{field}: {problem}" if field else problem, source=source, line=_line(tree, place)
         ) from error
+
+
+def _plain(message: str) -> str:
+    """A message of pydantic in the words of somebody who writes YAML."""
+    for python, yaml_ in _WORDS:
+        message = re.sub(python, yaml_, message)
+    return message
 
 
 def _line(node: yaml.Node | None, place: Sequence[Any]) -> int | None:
