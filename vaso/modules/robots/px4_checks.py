@@ -65,7 +65,7 @@ def flight_fault(vehicle: Vehicle, settings: PX4Settings, place: Vector | None) 
             is_ours=False,
         )
     age = now - vehicle.motion.received if vehicle.motion else math.inf
-    if age > settings.position_age_s or place is None:
+    if age > settings.position_lost_s or place is None:
         return Fault(f"no position from the vehicle for {age:.1f} s", is_deaf=True)
     if not all(map(math.isfinite, place)):
         return Fault("the vehicle's position is no number", is_deaf=True)

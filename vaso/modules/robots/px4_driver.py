@@ -23,6 +23,7 @@ from vaso.modules.robots.px4_settings import PX4Settings
 __all__ = ["Driver", "main"]
 
 STATE_S = 0.1
+RECOVER_S = 0.02  # after an error, against a loop without a pause
 
 
 class Driver:
@@ -54,23 +55,20 @@ class Driver:
     def run(self) -> None:
         """Until VASO has gone and the vehicle is safe."""
         while not self._is_done():
-            try:
-                self._turn()
-            except Exception as error:  # whatever it is, the vehicle has to come down
-                self._flight.fail(Fault(f"the driver has failed: {error!r}"))
-                time.sleep(1 / self._settings.rate_hz)
+            for step in (self._sleep, self._hear, self._vehicle.receive, self._tick, self._tell):
+                try:
+                    step()
+                except Exception as error:  # whatever it is, the vehicle has to come down
+                    self._flight.fail(Fault(f"the driver has failed: {error!r}"))
+                    time.sleep(RECOVER_S)
 
-    def _turn(self) -> None:
-        self._sleep()
-        self._hear()
-        self._vehicle.receive()
+    def _tick(self) -> None:
+        """What is due at the rate of the set-points."""
         now = time.monotonic()
         if now >= self._tick_at:
-            period = 1 / self._settings.rate_hz
-            self._tick_at = max(self._tick_at + period, now)
+            self._tick_at = max(self._tick_at + 1 / self._settings.rate_hz, now)
             self._watch()
             self._flight.tick()
-        self._tell(now)
 
     def _sleep(self) -> None:
         """Until something has come, or the next tick."""
@@ -114,9 +112,9 @@ class Driver:
         if self._ending:
             self._flight.fail(Fault("the driver was told to end"))
 
-    def _tell(self, now: float) -> None:
+    def _tell(self) -> None:
         """Answers, events, and from time to time the state."""
-        flight = self._flight
+        now, flight = time.monotonic(), self._flight
         while flight.answers:
             kind, fields = flight.answers.popleft()
             request = self._requests.pop(kind, None)

@@ -138,8 +138,8 @@ class Flight:
         """Do what is due now."""
         now = time.monotonic()
         if now >= self._alive_at:
-            self._vehicle.say_alive()
             self._alive_at = now + ALIVE_S
+            self._vehicle.say_alive()
         passed = self.track.observe()
         if self.phase is Phase.FLYING:
             self._fly(passed)
@@ -183,6 +183,8 @@ class Flight:
                 self.answers.append(("connect", {}))
             case Phase.ARMING:
                 self._take_over()
+            case Phase.LANDING if self._vehicle.may_be_armed:  # the sequence was broken off
+                self._begin_landing("landing was interrupted")
             case Phase.LANDING:
                 self._touch_down()
 
@@ -220,6 +222,8 @@ class Flight:
             self.fail(Fault(f"no command has come for {following.idle_s:.1f} s"))
         elif following.has_waited_too_long:
             self.fail(Fault(f"the vehicle has not climbed within {self._settings.climb_s:g} s"))
+        elif self.track.age > self._settings.position_age_s:
+            self._be_still()
         elif place is not None:
             following.move(passed, place)
             self._stream = following.stream

@@ -16,6 +16,7 @@ from vaso.modules.robots.px4_settings import PX4Settings
 __all__ = ["UNHEARD_S", "SequenceError", "arming", "finding", "landing"]
 
 Sequence = Iterator[None]
+STRANGERS_S = 2.0  # others may be heard first
 STREAM_FIRST_S = 1.2  # of set-points, before offboard mode is asked for
 MODE_AGAIN_S = 1.5
 ARM_AGAIN_S = 2.0
@@ -41,9 +42,10 @@ class SequenceError(Exception):
 
 def finding(vehicle: Vehicle, settings: PX4Settings) -> Sequence:
     """Wait for the heartbeat of a PX4 multicopter, and ask for its position."""
-    limit = time.monotonic() + settings.connect_s
+    began = time.monotonic()
+    limit = began + settings.connect_s
     while not vehicle.found:
-        if vehicle.stranger:
+        if vehicle.stranger and time.monotonic() > began + STRANGERS_S:
             raise SequenceError(
                 f"{settings.url}: there is {vehicle.stranger}",
                 "the adapter flies PX4 multicopters only",

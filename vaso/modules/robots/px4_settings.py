@@ -26,7 +26,8 @@ class PX4Settings:
         tracking_speed: Corrections do not make the vehicle faster than this.
         max_altitude: Altitude above the take-off point at which the vehicle is landed.
         fence_radius: Horizontal distance from there at which it is landed.
-        position_age_s: A position older than this is no position.
+        position_age_s: On a position older than this nothing is flown: the vehicle stands still.
+        position_lost_s: After so long without a position it is landed.
         heartbeat_age_s: The longest time without a heartbeat.
         stall_s: How long the plan may leave the vehicle without a command, hovering, before it is
             landed.
@@ -49,6 +50,7 @@ class PX4Settings:
     max_altitude: float = 12.0
     fence_radius: float = 30.0
     position_age_s: float = 0.5
+    position_lost_s: float = 0.8
     heartbeat_age_s: float = 2.5
     stall_s: float = 1.0
     first_s: float = 5.0
