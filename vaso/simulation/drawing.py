@@ -6,6 +6,7 @@ Pictures and GIFs need matplotlib (extra ``plots``); HTML pages need nothing.
 from __future__ import annotations
 
 import importlib
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -59,7 +60,7 @@ def draw(
 def picture(
     truth: GroundTruth | FlightTruth, log: RunLog | None = None, *, skill: Skill | None = None
 ) -> Any:
-    """A run as a matplotlib figure.
+    """A run as a matplotlib figure, which shows itself in a notebook.
 
     Args:
         truth: What happened.
@@ -69,7 +70,9 @@ def picture(
     Raises:
         MissingDependencyError: matplotlib is not installed.
     """
-    figure = _matplotlib("matplotlib.figure").Figure(layout="constrained", facecolor="white")
+    plain = _matplotlib("matplotlib.figure").Figure
+    shown = type("RunFigure", (plain,), {"_repr_png_": _png})
+    figure = shown(layout="constrained", facecolor="white")
     if isinstance(truth, GroundTruth):
         from vaso.simulation.ground_picture import draw_ground
 
@@ -82,6 +85,13 @@ def picture(
     if title:
         figure.suptitle(title, fontsize=11)
     return figure
+
+
+def _png(figure: Any) -> bytes:
+    """The output of a notebook cell, also where pyplot is not used."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=100)
+    return file.getvalue()
 
 
 def save_picture(
