@@ -98,9 +98,11 @@ def _call(arguments: list[str]) -> int:
 
 
 def _bad_input(error: VasoError, *, as_json: bool, debug: bool) -> int:
+    from vaso.cli.plain import plain
+
     if debug:
         _traceback(error)
-    print(f"vaso: {error}", file=sys.stderr)
+    print(f"vaso: {plain(str(error))}", file=sys.stderr)
     if as_json:
         print(json.dumps({"error": error_json(error)}, ensure_ascii=False))
     return 2
@@ -113,11 +115,13 @@ def error_json(error: VasoError) -> dict[str, object]:
 
 
 def _internal(error: Exception, *, debug: bool) -> int:
+    from vaso.cli.plain import plain
+
     if debug:
         _traceback(error)
     text = str(error).splitlines()[0] if str(error) else ""
     more = "" if debug else ", with what --debug prints"
-    print(f"vaso: {type(error).__name__}: {text} ({HELP_WANTED}{more})", file=sys.stderr)
+    print(f"vaso: {type(error).__name__}: {plain(text)} ({HELP_WANTED}{more})", file=sys.stderr)
     return 70
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from rich.console import Console
 
+from vaso.cli.plain import PlainConsole
 from vaso.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def console(*, stderr: bool = False) -> Console:
     """A console; as wide as the terminal, 80 columns and without colour where there is none."""
     file = sys.stderr if stderr else sys.stdout
     width = None if file.isatty() else 80
-    return Console(file=file, width=width, highlight=False)
+    return PlainConsole(file=file, width=width, highlight=False)
 
 
 def emit(data: Any) -> None:
