@@ -213,6 +213,14 @@ def test_people_walk_around_a_robot_that_stands():
     assert not robot.truth.contacts
 
 
+def test_nobody_jumps_aside_for_a_fast_robot():
+    person = Person(path=((3.0, 0.0), (0.5, 0.1)), speed=0.5, then="stay")
+    robot = drive(jackal(Scene(people=(person,))), (2.0, 0.0, 20))
+    spots = [m.people[0] for m in robot.truth.moments]
+    assert all(math.dist(a, b) <= 0.15 + 1e-9 for a, b in pairwise(spots))
+    assert robot.truth.contacts[0].contact == "person"
+
+
 def test_people_who_wander_stay_in_their_area_and_off_the_furniture():
     table = Furniture(kind="table", at=(3.0, 0.0))
     scene = Scene(people=(Person(wander=((1.5, -2.0), (4.5, 2.0)), pause=0.0),), furniture=(table,))

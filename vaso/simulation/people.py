@@ -15,6 +15,9 @@ __all__ = ["PERSON_RADIUS", "Walker"]
 PERSON_RADIUS = 0.25
 """Half the width of a person's shoulders, in metres."""
 
+_EVADING = 1.5
+"""Speed in m/s of a person who steps aside; a robot that is faster is not evaded."""
+
 _TRIES = 50
 _LEAST = 1e-3
 """Seconds that even the shortest way takes, so that a walk between equal points ends."""
@@ -79,15 +82,15 @@ class Walker:
         part = spent * self._person.speed / way if way else 1.0
         after = (x + (goal[0] - x) * part, y + (goal[1] - y) * part)
         if math.dist(after, robot) < self._distance:
-            self.at = self._around(after, robot)
+            self.at = self._around(after, robot, max(self._person.speed, _EVADING) * seconds)
             return seconds
         self.at = after
         if part >= 1 - 1e-9 or math.dist(after, goal) < 1e-9:
             self._arrived()
         return max(spent, _LEAST)
 
-    def _around(self, wanted: Point, robot: Point) -> Point:
-        """A step aside, on the circle about the robot; none where a wall is in the way."""
+    def _around(self, wanted: Point, robot: Point, most: float) -> Point:
+        """A step aside, to the circle about the robot; none where a wall is in the way."""
         assert self.at is not None and self._goal is not None
         dx, dy = wanted[0] - robot[0], wanted[1] - robot[1]
         angle = math.atan2(dy, dx)
@@ -100,6 +103,10 @@ class Walker:
                 robot[0] + self._distance * math.cos(new),
                 robot[1] + self._distance * math.sin(new),
             )
+            way = math.dist(self.at, to)
+            if way > most:
+                (x, y), part = self.at, most / way
+                to = (x + (to[0] - x) * part, y + (to[1] - y) * part)
             if self._world.nearest(to, self._world.near(to, PERSON_RADIUS))[0] > 0.1:
                 return to
         return self.at
