@@ -114,6 +114,11 @@ class Counterexample:
 
         return counterexample_view(self)
 
+    def __str__(self) -> str:
+        from vaso.report.plain import plain
+
+        return plain(self.__rich__())
+
 
 @dataclass(frozen=True, slots=True)
 class SpecResult:
@@ -299,6 +304,11 @@ class VerificationResult:
         from vaso.report.terminal import verification_view
 
         return verification_view(self)
+
+    def __str__(self) -> str:
+        from vaso.report.plain import plain
+
+        return plain(self.__rich__())
 
 
 def _of_problem(problem: Problem) -> Verdict:

@@ -10,6 +10,7 @@ from report_samples import (
 )
 from rich.console import Console
 
+import vaso
 from vaso.report.terminal import counterexample_view, diff_view, plan_view, verification_view
 
 
@@ -83,3 +84,11 @@ def test_diff_shows_only_what_changed():
     text = plain(diff_view(DRIVE_PLAN, DRIVE_PLAN.replace("break", "stop()")))
     assert "-        break" in text and "+        stop()" in text
     assert plain(diff_view("a", "a")).strip() == ""
+
+
+def test_print_shows_what_the_terminal_shows():
+    result = vaso.verify("drive", "while True:\n    forward()\n")
+    text = str(result)
+    assert "✗ FAIL" in text and "G(people_observed -> X stop)" in text
+    assert max(map(len, text.splitlines())) <= 80 and "\x1b" not in text
+    assert "forward()" in str(result.failures[0].counterexample)
