@@ -169,6 +169,15 @@ def test_the_skill_says_what_else_is_observed(tmp_path):
     assert statuses(check_log(log, skill, settings={"TARGET": "chair"}))[rule][0] == "violated"
 
 
+def test_other_texts_are_no_detections(tmp_path, capsys):
+    other = [{"topic": "/robot_description", "t": 1.0, "msg": {"data": "<robot/>"}}]
+    other += [{"topic": "/status", "t": 1.1, "msg": {"data": '{"battery": 12.1}'}}]
+    log = write(tmp_path / "log", [twist(1.0, 0.3), *other])
+    assert check_log(log, DRIVE).rules[0].unknown == ("people_observed",)
+    assert main(["trace", log, "--skill", "drive", "--detections-topic", "/status"]) == 2
+    assert "a detection has no class" in capsys.readouterr().err
+
+
 def test_odometry_is_what_was_measured(tmp_path):
     def odometry(t, speed):
         twist = {"twist": {"linear": {"x": speed}, "angular": {"z": 0.0}}}
@@ -268,7 +277,7 @@ TWIST = twist(1.0, 0.3)
         (json.dumps(TWIST | {"t": "now"}), ":1: its time is \"now\""),
         (json.dumps(TWIST | {"t": 1e400}), ":1: its time is inf"),
         (json.dumps(TWIST | {"msg": {"linear": {}, "angular": {}}}), ":1: a velocity is incomplete"),
-        (json.dumps({"topic": "/d", "t": 1.0, "msg": {"data": "person!"}}), ":1: the text of a detector"),
+        (json.dumps({"topic": "/yolo", "t": 1.0, "msg": {"data": "person!"}}), ":1: the text of a detector"),
         (json.dumps(as_string(1.0)), "no velocity commands"),
         (json.dumps(TWIST) + "\n" + json.dumps(twist(1.0, 0.1, topic="/b")), "several topics"),
         (json.dumps(POSITION | {"z": None}), ":1: LOCAL_POSITION_NED.z is null"),

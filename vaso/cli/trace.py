@@ -48,6 +48,12 @@ def trace(
     velocity_topic: Annotated[
         str, typer.Option(help="ROS: the topic with the commands, where several carry velocities.")
     ] = "",
+    detections_topic: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="ROS: the topic of a detector, where that is not clear; may be repeated."
+        ),
+    ] = None,
     confidence: Annotated[
         float, typer.Option(min=0.0, max=1.0, help="ROS: least score of a detection that counts.")
     ] = 0.5,
@@ -71,7 +77,7 @@ def trace(
         log,
         get_skill(skill, version, name, platform),
         platform=platform,
-        options=RosOptions(velocity_topic, confidence, age),
+        options=RosOptions(velocity_topic, tuple(detections_topic or ()), confidence, age),
         settings=_settings(setting or ()),
     )
     if html is not None:

@@ -173,20 +173,21 @@ class Estimate:
         return replace(box, norms=tuple(norms))
 
     def _with_rates(self, box: Box, values: Mapping[str, float], seconds: float) -> Box:
-        """Velocities that positions tell of, where they are beyond the bounds."""
-        for name, place in self.response.positions.items():
+        """Velocities that positions tell of, where a position is beyond what was foretold."""
+        for number, (name, place) in enumerate(self.response.positions.items()):
             before, now = self._before.get(name), values.get(name)
             if before is None or now is None or seconds <= 0.0:
                 continue
-            margin = self._accuracy.get(name, 0.0) / seconds
+            margin = self._accuracy.get(name, 0.0)
+            low, high = box.positions[number]
+            if low - margin <= now <= high + margin:
+                continue
             rate = (now - before) / seconds / place.factor
             index = self._index(place.channel)
-            low, high = box.velocities[index][place.component]
-            if not low - margin <= rate <= high + margin:
-                components = _replaced(
-                    box.velocities[index], place.component, (min(low, rate), max(high, rate))
-                )
-                box = self._with_channel(box, index, components)
+            slow, fast = box.velocities[index][place.component]
+            span = min(slow, rate), max(fast, rate)
+            components = _replaced(box.velocities[index], place.component, span)
+            box = self._with_channel(box, index, components)
         return box
 
     def _with_channel(self, box: Box, index: int, components: tuple[Interval, ...]) -> Box:

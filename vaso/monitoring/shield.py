@@ -23,6 +23,7 @@ from vaso.monitoring.estimate import Estimate
 from vaso.monitoring.forecast import Forecaster, Phase, backups
 from vaso.monitoring.guarded import Guarded, Guess
 from vaso.monitoring.monitor import Partial
+from vaso.monitoring.ruling import Ruling, Violation
 from vaso.monitoring.split import split
 from vaso.monitoring.wording import reason_for
 from vaso.plan.transition_system import Label
@@ -36,34 +37,6 @@ LATE = 0.1
 
 Losses = frozenset[tuple[int, Guess]]
 """Rules that may be lost, each with what sensors would have to show next."""
-
-
-@dataclass(frozen=True, slots=True)
-class Ruling:
-    """What goes out.
-
-    Attributes:
-        command: The plan's command, or another one in its place.
-        intervention: Why it is another one; None if it is the plan's.
-        exception: The built-in exception that the run loop raises at the plan's call then.
-    """
-
-    command: Issued
-    intervention: Intervention | None = None
-    exception: str = "RuntimeError"
-
-
-@dataclass(frozen=True, slots=True)
-class Violation:
-    """A rule that was violated all the same: by the world, or before the shield could act.
-
-    Attributes:
-        rule: The rule.
-        step: The state, counted from 0.
-    """
-
-    rule: Rule
-    step: int
 
 
 @dataclass(frozen=True)

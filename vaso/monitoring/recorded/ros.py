@@ -7,24 +7,25 @@ names them. What it is, its fields tell: ``Twist``, ``TwistStamped``, ``Odometry
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from vaso.errors import VasoError
-from vaso.monitoring.recorded.lines import Item, bad, number
+from vaso.monitoring.recorded.lines import Item
 from vaso.monitoring.recorded.recording import Recording, Sample
+from vaso.monitoring.recorded.ros_messages import (
+    detected,
+    looks_like_detections,
+    names_of,
+    parts,
+    twist_of,
+    velocity,
+)
 from vaso.platforms import Issued, Platform
 
 __all__ = ["RosOptions", "is_ros", "ros_recording"]
-
-NANOSECONDS = 1e14
-"""Times beyond this are counted in nanoseconds, as in ROS bags."""
-
-SYNONYMS = {"people": ("person", "pedestrian", "human")}
-_SHAPE = '{"topic": …, "t": seconds, "msg": {…}}'
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,11 +34,14 @@ class RosOptions:
 
     Attributes:
         velocity_topic: The topic with the velocity commands, where there are several.
+        detection_topics: The topics of detectors; where none is given, they are told by their names
+            and by what is in their messages.
         confidence: Least score of a detection that counts.
         age: Greatest age of a detector's report that is gone by, in seconds.
     """
 
     velocity_topic: str = ""
+    detection_topics: tuple[str, ...] = ()
     confidence: float = 0.5
     age: float = 0.5
 
@@ -132,7 +136,7 @@ class _Seen(dict[str, bool]):
 
     def __missing__(self, key: str) -> bool:
         name = key.removeprefix(f"{self._sensor}('").removesuffix("')")
-        return bool(_names(name) & self._seen)
+        return bool(names_of(name) & self._seen)
 
     def __bool__(self) -> bool:
         return True
@@ -165,109 +169,26 @@ def _last(stream: Sequence[Any], time: float) -> Any:
     return stream[low - 1] if low else None
 
 
-# ------------------------------------------------------------------------------- single messages
-
-
 def _sort_in(item: Item, streams: _Streams, options: RosOptions) -> None:
     """Put a message where it belongs; one of a type that says nothing here is left out."""
-    topic, time, message = _parts(item)
-    twist = _twist(message)
+    topic, time, message = parts(item)
+    twist = twist_of(message)
     if "pose" in message and isinstance(message.get("twist"), dict):
         inner = message["twist"].get("twist", message["twist"])
-        linear, angular = _velocity(item, inner)
+        linear, angular = velocity(item, inner)
         streams.odometry.append((time, abs(linear), angular))
     elif twist is not None:
-        streams.velocities.setdefault(topic, []).append((time, *_velocity(item, twist)))
-    elif isinstance(message.get("detections"), list):
-        seen = _hypotheses(item, message["detections"], options.confidence)
-        streams.detections.setdefault(topic, []).append((time, seen))
-    elif isinstance(message.get("data"), str):
-        seen = _reported(item, message["data"], options.confidence)
+        streams.velocities.setdefault(topic, []).append((time, *velocity(item, twist)))
+    elif _is_detector(topic, message, options):
+        seen = detected(item, message, options.confidence)
         streams.detections.setdefault(topic, []).append((time, seen))
 
 
-def _parts(item: Item) -> tuple[str, float, Mapping[str, Any]]:
-    data = item.data
-    topic = data.get("topic")
-    message = data.get("msg", data.get("message"))
-    stamp = next((data[k] for k in ("t", "time", "timestamp", "stamp") if k in data), None)
-    if not isinstance(topic, str) or not isinstance(message, dict) or stamp is None:
-        raise bad(item, "this is no message of a topic", expected=_SHAPE)
-    time = number(item, stamp, "its time")
-    return topic, time * 1e-9 if abs(time) > NANOSECONDS else time, message
-
-
-def _twist(message: Mapping[str, Any]) -> Mapping[str, Any] | None:
-    inner = message.get("twist", message)
-    if isinstance(inner, dict) and isinstance(inner.get("linear"), dict) and "angular" in inner:
-        return inner
-    return None
-
-
-def _velocity(item: Item, twist: object) -> tuple[float, float]:
-    try:
-        linear, angular = twist["linear"]["x"], twist["angular"]["z"]  # type: ignore[index]
-    except (KeyError, TypeError, IndexError):
-        raise bad(
-            item, "a velocity is incomplete", expected='{"linear": {"x": …}, "angular": {"z": …}}'
-        ) from None
-    return number(item, linear, "linear.x"), number(item, angular, "angular.z")
-
-
-def _hypotheses(item: Item, detections: Sequence[Any], least: float) -> frozenset[str]:
-    """The classes in a ``vision_msgs/Detection2DArray``."""
-    found = set()
-    for detection in detections:
-        if isinstance(detection, dict) and "results" not in detection:
-            found |= _classes(item, [detection], least)
-            continue
-        results = detection.get("results") if isinstance(detection, dict) else None
-        if not isinstance(results, list):
-            raise bad(item, "a detection has no list of results")
-        for result in results:
-            holder = result.get("hypothesis", result) if isinstance(result, dict) else result
-            found |= _classes(item, [holder], least)
-    return frozenset(found)
-
-
-def _reported(item: Item, text: str, least: float) -> frozenset[str]:
-    """The classes in the JSON of a ``std_msgs/String``: a list, or an object with one."""
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise bad(
-            item,
-            "the text of a detector is no JSON",
-            expected='{"detections": [{"class": "person", "score": 0.9}]}',
-        ) from error
-    if isinstance(data, dict):
-        keys = ("detections", "objects", "predictions", "results")
-        data = next((data[k] for k in keys if k in data), [data])
-    if not isinstance(data, list):
-        raise bad(item, "the text of a detector has no list of detections")
-    return frozenset(_classes(item, data, least))
-
-
-def _classes(item: Item, detections: Sequence[Any], least: float) -> set[str]:
-    found = set()
-    for detection in detections:
-        if isinstance(detection, str):
-            found.add(_plain(detection))
-            continue
-        names = ("class", "label", "name", "class_name", "class_id", "id")
-        name = (
-            detection.get(next((k for k in names if k in detection), ""))
-            if isinstance(detection, dict)
-            else None
-        )
-        if not isinstance(name, str):
-            raise bad(
-                item, "a detection has no class", expected='{"class": "person", "score": 0.9}'
-            )
-        score = next((detection[k] for k in ("score", "confidence") if k in detection), 1.0)
-        if number(item, score, "a score") >= least:
-            found.add(_plain(name))
-    return found
+def _is_detector(topic: str, message: Mapping[str, Any], options: RosOptions) -> bool:
+    """Whether a message is a detector's: by its topic where that is given, else by its looks."""
+    if options.detection_topics:
+        return topic in options.detection_topics
+    return looks_like_detections(topic, message)
 
 
 def _chosen(
@@ -289,15 +210,3 @@ def _chosen(
         )
     stream = velocities[wanted or next(iter(velocities))]
     return sorted(stream)
-
-
-def _plain(name: str) -> str:
-    return " ".join(name.replace("_", " ").replace("-", " ").lower().split())
-
-
-def _names(name: str) -> set[str]:
-    """All names of a class, singular and plural."""
-    plain = _plain(name)
-    names = {plain, *SYNONYMS.get(plain, ())}
-    names |= {k for k, v in SYNONYMS.items() if plain in v}
-    return names | {f"{n}s" for n in names} | {n.removesuffix("s") for n in names}
