@@ -195,6 +195,9 @@ def test_a_real_robot_s_log_is_drawn_from_what_was_measured(flight, tmp_path):
     assert truth.moments[-1].reference == pytest.approx(
         flight.truth.moments[len(records) - 1].reference
     )
+    assert [m.speed for m in truth.moments[3:]] == pytest.approx(
+        [m.speed for m in flight.truth.moments[3 : len(records)]]
+    )
     drawing.draw(log, animation=tmp_path / "run.html")
 
 

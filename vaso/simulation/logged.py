@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 from vaso.execution import Record, RunLog
 from vaso.platforms import get_platform
+from vaso.simulation.autopilot import ZERO, Tracker
 from vaso.simulation.jackal import RADIUS
 from vaso.simulation.names import asked_for
 from vaso.simulation.scene import AirScene, Scene
-from vaso.simulation.truth import FlightMoment, FlightTruth, GroundMoment, GroundTruth
+from vaso.simulation.truth import FlightMoment, FlightTruth, GroundMoment, GroundTruth, Vector
 
 __all__ = ["truth_of"]
 
@@ -56,20 +59,15 @@ def _drive(log: RunLog, records: list[Record], scene: Scene) -> GroundTruth:
 
 
 def _flight(log: RunLog, records: list[Record], scene: AirScene) -> FlightTruth:
-    moments, highest, reference = [], 0.0, None
+    first = records[0].measured
+    start = (first["x"], first["y"], first["altitude"])
+    path = Tracker(start)
+    moments: list[FlightMoment] = []
     for record in records:
-        found = record.measured
-        setpoint = record.arguments.get("velocity", (0.0, 0.0, 0.0))
-        assert isinstance(setpoint, tuple)
-        north, east, down = setpoint
-        highest = max(highest, found["altitude"], found.get("max_altitude", 0.0))
-        before = reference or (found["x"], found["y"], found["altitude"])
-        lifted = before[2] > 0 or down < 0
-        reference = (
-            before[0] + north * log.header.dt * lifted,
-            before[1] + east * log.header.dt * lifted,
-            max(0.0, before[2] - down * log.header.dt),
-        )
+        found, setpoint = record.measured, _setpoint(record)
+        if moments:
+            path.advance(setpoint, log.header.dt)
+        before = moments[-1].highest if moments else 0.0
         moments.append(
             FlightMoment(
                 step=record.step,
@@ -77,10 +75,10 @@ def _flight(log: RunLog, records: list[Record], scene: AirScene) -> FlightTruth:
                 north=found["x"],
                 east=found["y"],
                 altitude=found["altitude"],
-                velocity=(found.get("linear_velocity", 0.0), 0.0, 0.0),
-                setpoint=(north, east, down),
-                reference=reference,
-                highest=highest,
+                velocity=_velocity(record, moments[-1] if moments else None),
+                setpoint=setpoint,
+                reference=path.reference,
+                highest=max(before, found["altitude"], found.get("max_altitude", 0.0)),
                 is_on_ground=found["altitude"] <= 0,
             )
         )
@@ -88,6 +86,23 @@ def _flight(log: RunLog, records: list[Record], scene: AirScene) -> FlightTruth:
     return FlightTruth(
         scene=scene, seed=0, dt=log.header.dt, tracking=True, moments=tuple(moments), track=track
     )
+
+
+def _setpoint(record: Record) -> Vector:
+    found = record.arguments.get("velocity", ZERO)
+    return found if isinstance(found, tuple) and len(found) == 3 else ZERO
+
+
+def _velocity(record: Record, before: FlightMoment | None) -> Vector:
+    """The mean velocity since the sample before, with the measured speed where there is one."""
+    if before is None or record.time <= before.time:
+        return ZERO
+    found, seconds = record.measured, record.time - before.time
+    north, east = (found["x"] - before.north) / seconds, (found["y"] - before.east) / seconds
+    down = (before.altitude - found["altitude"]) / seconds
+    mean = math.hypot(north, east, down)
+    factor = found.get("linear_velocity", mean) / mean if mean else 0.0
+    return (factor * north, factor * east, factor * down)
 
 
 def _number(record: Record, parameter: str) -> float:
