@@ -63,9 +63,9 @@ def setup(
 ) -> None:
     """Install what a robot needs, in an environment of its own.
 
-    The Jackal needs ROS 2: about 200 MB of packages from PyPI, which take less than a minute, or an
-    installation that is already there: `--python /usr/bin/python3` after `source
-    /opt/ros/jazzy/setup.bash`. The PX4 needs the package pymavlink in VASO's own environment.
+    The Jackal needs ROS 2: about 200 MB of packages from PyPI, within a minute,
+    or an installation: `source /opt/ros/jazzy/setup.bash`, and then
+    `--python /usr/bin/python3`. The PX4 needs pymavlink in VASO's environment.
     """
     from vaso.errors import RobotError
 

@@ -83,7 +83,7 @@ class Base:
     """A base that remembers what it was told."""
 
     def __init__(self):
-        self.problem, self.listeners, self.emergency = "", 1, False
+        self.problem, self.listeners, self.rivals, self.emergency = "", 1, 0, False
         self.told = []
 
     def publish(self, linear, angular):

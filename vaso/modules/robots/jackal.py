@@ -264,6 +264,7 @@ def _details(state: Mapping[str, Any]) -> dict[str, Scalar]:
     detectors = {f"age of {t} (s)": _age(a) for t, a in state["detectors"].items()}
     return {
         "listeners": state["listeners"],
+        "other publishers of velocities": state["rivals"],
         "emergency stop": state["emergency"],
         "age of odometry (s)": _age(age),
         **detectors,

@@ -38,6 +38,9 @@ class Base(Protocol):
     @property
     def listeners(self) -> int: ...
     @property
+    def rivals(self) -> int: ...
+
+    @property
     def emergency(self) -> bool: ...
     def publish(self, linear: float, angular: float) -> None: ...
     def odometry(self, now: float) -> tuple[dict[str, float], float]: ...
@@ -148,6 +151,7 @@ class JackalDriver:
             "stale": self._stale,
             "velocity": [linear, angular],
             "listeners": self._base.listeners,
+            "rivals": self._base.rivals,
             "detectors": ages,
             "emergency": self._base.emergency,
             "odometry": odometry,

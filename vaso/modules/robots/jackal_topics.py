@@ -108,6 +108,11 @@ class Topics:
         return self._velocity.listeners
 
     @property
+    def rivals(self) -> int:
+        """How many others publish velocities there, besides driver and guard."""
+        return max(0, int(self._node.count_publishers(self._settings["velocity_topic"])) - 2)
+
+    @property
     def emergency(self) -> bool:
         """Whether the robot's emergency stop was pressed when it was last heard of."""
         return self._emergency
