@@ -213,6 +213,15 @@ def test_people_walk_around_a_robot_that_stands():
     assert not robot.truth.contacts
 
 
+def test_a_person_whose_way_point_the_robot_stands_on_goes_on_to_the_next():
+    person = Person(path=((3.0, 0.0), (0.0, 0.0)), pause=0.5)
+    robot = drive(jackal(Scene(people=(person,))), (0.0, 0.0, 60))
+    ways = [m.people[0][0] for m in robot.truth.moments]
+    assert min(ways) == pytest.approx(0.75, abs=0.1)
+    assert max(ways[ways.index(min(ways)) :]) == pytest.approx(3.0)
+    assert robot.truth.nearest_person >= 0.15 - 1e-9
+
+
 def test_nobody_jumps_aside_for_a_fast_robot():
     person = Person(path=((3.0, 0.0), (0.5, 0.1)), speed=0.5, then="stay")
     robot = drive(jackal(Scene(people=(person,))), (2.0, 0.0, 20))

@@ -82,6 +82,9 @@ class Walker:
         part = spent * self._person.speed / way if way else 1.0
         after = (x + (goal[0] - x) * part, y + (goal[1] - y) * part)
         if math.dist(after, robot) < self._distance:
+            if math.dist(goal, robot) < self._distance:
+                self._arrived()  # the robot stands there: as near as one can come
+                return seconds
             self.at = self._around(after, robot, max(self._person.speed, _EVADING) * seconds)
             return seconds
         self.at = after
