@@ -80,7 +80,6 @@ class Watched:
         except FormulaError as error:
             watched.problem = error.message
         watched._possible = [frozenset({m.start}) for m in watched._monitors]
-        watched._decide(None)
         return watched
 
     def observe(self, step: int, labels: Mapping[str, Label]) -> None:
@@ -116,9 +115,7 @@ class Watched:
             problem=self.problem,
         )
 
-    def _decide(self, step: int | None) -> None:
-        if self.problem:
-            return
+    def _decide(self, step: int) -> None:
         said = [
             {monitor.truth(s) for s in possible}
             for monitor, possible in zip(self._monitors, self._possible, strict=True)

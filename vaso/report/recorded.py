@@ -53,6 +53,8 @@ def _head(report: TraceReport) -> Text:
     about = (
         f"   {recording.kind}, {len(recording.samples)} states of {recording.dt:g} s, {seconds:g} s"
     )
+    if recording.skill not in ("", report.skill.name):
+        about += f", a run of {recording.skill}"
     return head.append(about, style="dim not bold")
 
 

@@ -7,6 +7,7 @@ sensors. What is left has no value, and a rule that needs it is not decided by i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -58,7 +59,8 @@ def _by_platform(recording: Recording, platform: Platform) -> Iterator[dict[str,
         if sample.measured:  # the model of a platform that was measured says nothing more
             truth = {n: v for n, v in truth.items() if isinstance(v, bool)}
         measured = {n: float(v) for n, v in sample.measured.items() if n in numeric}
-        yield {**truth, **_observed(sample, platform), **sample.labels, **measured}
+        row = {**truth, **_observed(sample, platform), **sample.labels, **measured}
+        yield {name: value for name, value in row.items() if math.isfinite(value)}
 
 
 def _observed(sample: Sample, platform: Platform) -> dict[str, Label]:
