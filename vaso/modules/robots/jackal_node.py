@@ -39,7 +39,6 @@ class Base(Protocol):
     def listeners(self) -> int: ...
     @property
     def rivals(self) -> int: ...
-
     @property
     def emergency(self) -> bool: ...
     def publish(self, linear: float, angular: float) -> None: ...
@@ -214,8 +213,7 @@ class JackalDriver:
                 with self._lock:
                     self._detections.check(now)
             except Stale as stale:
-                self._stale = self._stale or not self.watchdog.reason
-                self.watchdog.trip(str(stale))
+                self._stale |= self.watchdog.trip(str(stale))
 
     def _publish(self, now: float) -> None:
         if now < self._publish_until:

@@ -81,11 +81,13 @@ class Watchdog:
         """Whether the velocity in force is not zero."""
         return self._command != ZERO
 
-    def trip(self, reason: str) -> None:
-        """Stop, and stay stopped. The first reason is kept."""
-        if self.running and not self.reason:
-            self.reason = reason
+    def trip(self, reason: str) -> bool:
+        """Stop, and stay stopped; whether this is the first reason of the run, which is kept."""
         self._command = ZERO
+        if self.reason or not self.running:
+            return False
+        self.reason = reason
+        return True
 
     def stop(self) -> None:
         """The run is over: stay at rest until the next one."""
