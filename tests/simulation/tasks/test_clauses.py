@@ -183,6 +183,11 @@ def test_a_driven_square(corners, expected):
     assert clause("square_path", side=2, within=0.4).judge(run).is_true is expected
 
 
+def test_a_path_that_winds_without_end_is_no_square():
+    spiral = [(0.003 * i * math.cos(i), 0.003 * i * math.sin(i)) for i in range(2000)]
+    assert not clause("square_path", side=2, within=9.0).judge(driven(spiral)).is_true
+
+
 def flown(corners, *, speed=0.5, height=4.0, pause=1, landed=True, wobble=0.0, hover=1):
     """A flight at 1 Hz along corners (north, east), from the ground and back."""
     sets = [(0.0, 0.0, -0.5)] * round(height / 0.5) + [(0.0, 0.0, 0.0)] * hover

@@ -16,6 +16,8 @@ __all__ = ["corners_of", "is_clockwise", "is_right_angled", "sides_of"]
 
 STRAIGHT = math.radians(30.0)
 RIGHT = math.radians(90.0)
+MOST = 60
+"""A path that needs more corners winds too much to be a polygon, and is left as it is."""
 
 
 def corners_of(path: Sequence[Point], tolerance: float) -> list[Point]:
@@ -28,7 +30,7 @@ def corners_of(path: Sequence[Point], tolerance: float) -> list[Point]:
     if len(path) < 3:
         return list(path)
     kept = _simplified([*path, path[0]], tolerance)[:-1]
-    while len(kept) > 2:
+    while 2 < len(kept) <= MOST:
         bends = [_bend(kept, i) for i in range(len(kept))]
         least = min(range(len(kept)), key=bends.__getitem__)
         short = _short_side(kept, tolerance)
@@ -61,16 +63,27 @@ def is_right_angled(corners: Sequence[Point], within: float = math.radians(20.0)
 
 
 def _simplified(path: Sequence[Point], tolerance: float) -> list[Point]:
-    """Ramer's algorithm; the farthest point from a closed path's end divides it first."""
-    first, last = path[0], path[-1]
-    gaps = [
-        math.dist(p, first) if math.dist(first, last) < tolerance else distance_to((first, last), p)
-        for p in path
-    ]
-    far = max(range(len(path)), key=gaps.__getitem__)
-    if gaps[far] <= tolerance or far in (0, len(path) - 1):
-        return [first, last]
-    return _simplified(path[: far + 1], tolerance)[:-1] + _simplified(path[far:], tolerance)
+    """Ramer's algorithm; a loop is divided first at the point that is farthest from its ends."""
+    kept = {0, len(path) - 1}
+    parts = [(0, len(path) - 1)]
+    while parts:
+        start, end = parts.pop()
+        far = max(
+            range(start + 1, end),
+            key=lambda i: _gap(path[start], path[end], path[i], tolerance),
+            default=start,
+        )
+        if far > start and _gap(path[start], path[end], path[far], tolerance) > tolerance:
+            kept.add(far)
+            parts += [(start, far), (far, end)]
+    return [path[i] for i in sorted(kept)]
+
+
+def _gap(start: Point, end: Point, point: Point, tolerance: float) -> float:
+    """Distance of a point from a line; from the start of one that is hardly longer than a point."""
+    if math.dist(start, end) < tolerance:
+        return math.dist(start, point)
+    return distance_to((start, end), point)
 
 
 def _bend(corners: Sequence[Point], index: int) -> float:
