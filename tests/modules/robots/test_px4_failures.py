@@ -154,13 +154,12 @@ def test_the_pilot_takes_over(flying: Flying) -> None:
     [("LOCAL_POSITION_NED", 0.0, "no position"), ("HEARTBEAT", 2.5, "no heartbeat")],
 )
 def test_the_vehicle_stops_telling(flying: Flying, silent: str, limit: float, why: str) -> None:
-    """Heartbeats come once a second, and two may be lost: the bound runs from then on."""
+    """It stands still within the bound. Two heartbeats may be lost before it is landed."""
     now = flying.vehicle.fault(mute=[silent])
     told = flying.vehicle.wait_for("mode", now, mode=LAND)
     assert told["m"] - now < limit + BOUND
-    if limit == 0:  # it did not fly on with an old position until then
-        last = [r for r in flying.vehicle.report("setpoint") if r["m"] < told["m"]][-1]
-        assert last["numbers"] == [0, 0, 0]
+    moving = [r["m"] for r in flying.vehicle.report("setpoint") if any(r["numbers"])]
+    assert max(moving) - now < BOUND
     assert f"ended: {why} from the vehicle" in flying.said()
     rests(flying.vehicle, now)
 

@@ -11,7 +11,7 @@ from vaso.modules.robots.px4_mavlink import OFFBOARD, Vehicle
 from vaso.modules.robots.px4_path import NominalPath, Vector
 from vaso.modules.robots.px4_settings import PX4Settings
 
-__all__ = ["Fault", "command_fault", "flight_fault"]
+__all__ = ["Fault", "command_fault", "flight_fault", "is_late"]
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ def flight_fault(vehicle: Vehicle, settings: PX4Settings, place: Vector | None) 
         place: Where it is, from the take-off point.
     """
     now = time.monotonic()
-    if vehicle.heard is None or now - vehicle.heard > settings.heartbeat_age_s:
+    if vehicle.heard is None or now - vehicle.heard > settings.heartbeat_lost_s:
         return Fault("no heartbeat from the vehicle", is_deaf=True)
     if vehicle.restarted:
         return Fault("the autopilot has restarted in flight", is_deaf=True)
@@ -71,6 +71,16 @@ def flight_fault(vehicle: Vehicle, settings: PX4Settings, place: Vector | None) 
         return Fault("the vehicle's position is no number", is_deaf=True)
     outside = _outside(place, settings, "the vehicle is")
     return Fault(outside) if outside else None
+
+
+def is_late(vehicle: Vehicle, settings: PX4Settings) -> bool:
+    """Whether so little has been heard of a vehicle lately that it should stand still."""
+    now = time.monotonic()
+    ages = (
+        (vehicle.heard, settings.heartbeat_late_s),
+        (vehicle.motion.received if vehicle.motion else None, settings.position_late_s),
+    )
+    return any(heard is None or now - heard > limit for heard, limit in ages)
 
 
 def _outside(place: Vector, settings: PX4Settings, who: str) -> str | None:

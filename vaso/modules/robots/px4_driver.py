@@ -7,6 +7,7 @@ with it, and PX4's own failsafe for offboard loss takes over.
 
 from __future__ import annotations
 
+import errno
 import select
 import signal
 import time
@@ -169,14 +170,21 @@ def main() -> None:
     try:
         vehicle = Vehicle(settings.url, log, settings.system)
     except (OSError, ValueError, ImportError) as error:
-        missing = " (pip install pyserial)" if isinstance(error, ImportError) else ""
-        raise SystemExit(f"{settings.url} cannot be opened: {error}{missing}") from error
+        raise SystemExit(f"{settings.url} cannot be opened: {error}{_remedy(error)}") from error
     driver = Driver(channel, Flight(vehicle, settings, log), vehicle, settings)
     signal.signal(signal.SIGINT, driver.interrupt)
     signal.signal(signal.SIGTERM, driver.interrupt)
     channel.send("hello")
     driver.run()
     log.close()
+
+
+def _remedy(error: Exception) -> str:
+    if isinstance(error, ImportError):
+        return " (pip install pyserial)"
+    if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
+        return " (by another program, or by a driver that still lands a vehicle)"
+    return ""
 
 
 if __name__ == "__main__":

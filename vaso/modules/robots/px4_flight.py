@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from typing import Any
 
-from vaso.modules.robots.px4_checks import Fault, command_fault, flight_fault
+from vaso.modules.robots.px4_checks import Fault, command_fault, flight_fault, is_late
 from vaso.modules.robots.px4_following import STILL, Following
 from vaso.modules.robots.px4_log import FlightLog
 from vaso.modules.robots.px4_mavlink import LAND, OFFBOARD, M, Vehicle
@@ -222,7 +222,7 @@ class Flight:
             self.fail(Fault(f"no command has come for {following.idle_s:.1f} s"))
         elif following.has_waited_too_long:
             self.fail(Fault(f"the vehicle has not climbed within {self._settings.climb_s:g} s"))
-        elif self.track.age > self._settings.position_age_s:
+        elif is_late(self._vehicle, self._settings):
             self._be_still()
         elif place is not None:
             following.move(passed, place)

@@ -26,9 +26,10 @@ class PX4Settings:
         tracking_speed: Corrections do not make the vehicle faster than this.
         max_altitude: Altitude above the take-off point at which the vehicle is landed.
         fence_radius: Horizontal distance from there at which it is landed.
-        position_age_s: On a position older than this nothing is flown: the vehicle stands still.
+        position_late_s: While the last position is older than this, the vehicle stands still.
         position_lost_s: After so long without a position it is landed.
-        heartbeat_age_s: The longest time without a heartbeat.
+        heartbeat_late_s: While the last heartbeat is older than this, the vehicle stands still.
+        heartbeat_lost_s: After so long without a heartbeat it is landed.
         stall_s: How long the plan may leave the vehicle without a command, hovering, before it is
             landed.
         first_s: The same between arming and the first command.
@@ -49,9 +50,10 @@ class PX4Settings:
     tracking_speed: float = 0.9
     max_altitude: float = 12.0
     fence_radius: float = 30.0
-    position_age_s: float = 0.5
+    position_late_s: float = 0.5
     position_lost_s: float = 0.8
-    heartbeat_age_s: float = 2.5
+    heartbeat_late_s: float = 1.3
+    heartbeat_lost_s: float = 2.5
     stall_s: float = 1.0
     first_s: float = 5.0
     silence_s: float = 1.0

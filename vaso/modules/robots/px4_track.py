@@ -85,12 +85,6 @@ class Track:
         return _minus(motion.position, self.home)
 
     @property
-    def age(self) -> float:
-        """Age of the last position, in seconds."""
-        motion = self._vehicle.motion
-        return time.monotonic() - motion.received if motion is not None else math.inf
-
-    @property
     def altitude(self) -> float:
         """Metres above the take-off point, as measured."""
         return -self.place[2] if self.place is not None else 0.0
