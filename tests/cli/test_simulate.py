@@ -51,6 +51,16 @@ def test_the_faulty_template_breaks_rules(vaso):
     assert "altitude always stays below 10" in found.words
 
 
+def test_with_the_shield_no_rule_is_broken(vaso, tmp_path):
+    plan = tmp_path / "plan.py"
+    plan.write_text("while True:\n    forward()\n")
+    options = ["--task", 2, "--seeds", 1, "--plan", plan, "--json"]
+    bare = vaso("simulate", "bypass-object", *options).json["tasks"][0]["runs"][0]
+    [run] = vaso("simulate", "bypass-object", *options, "--shield").json["tasks"][0]["runs"]
+    assert "violated" in {r["outcome"] for r in bare["rules"]} and not bare["replaced"]
+    assert "violated" not in {r["outcome"] for r in run["rules"]} and run["replaced"]
+
+
 @pytest.mark.parametrize("name", ["run.svg", "run.html"])
 def test_a_run_is_drawn(vaso, tmp_path, name):
     option = "--picture" if name.endswith("svg") else "--animation"

@@ -50,6 +50,9 @@ def simulate(
         Path | None, typer.Option(help="Tasks with scenes, instead of the skill's completion.yaml.")
     ] = None,
     lm: Annotated[str | None, typer.Option(help="A language model that writes the plans.")] = None,
+    shield: Annotated[
+        bool, typer.Option("--shield", help="With the run-time shield before the robot.")
+    ] = False,
     picture: Annotated[
         Path | None, typer.Option(help="Draw a run: the first that goes wrong, or the first.")
     ] = None,
@@ -71,7 +74,7 @@ def simulate(
     if (picture or animation) and len(wanted) > 1:
         raise VasoError("a picture is of one task", hint="name it with --task")
     given = get_plan(plan) if plan else None
-    runs = _run(chosen, wanted, given, lm, range(seed, seed + seeds))
+    runs = _run(chosen, wanted, given, lm, range(seed, seed + seeds), shield)
     if as_json:
         emit(_json(chosen, version, plan, lm, runs))
     else:
@@ -119,6 +122,7 @@ def _run(
     plan: Plan | None,
     lm: str | None,
     seeds: Sequence[int],
+    shield: bool,
 ) -> list[Simulation]:
     from vaso.cli.plan import make_filling
     from vaso.cli.progress import Progress
@@ -138,6 +142,7 @@ def _run(
                 plan or make_filling(skill, t.prompt, lm, t.places).plan,
                 t,
                 seeds=seeds,
+                shield=shield,
                 on_trial=count,
             )
             for t in tasks
@@ -184,6 +189,7 @@ def _task_json(runs: Simulation) -> dict[str, Any]:
                 "outcome": t.outcome,
                 "reason": t.reason,
                 "seconds": t.seconds,
+                "replaced": t.replaced,
                 "clauses": [c.model_dump() for c in t.clauses],
                 "rules": [r.model_dump() for r in t.rules],
             }

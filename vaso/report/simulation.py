@@ -48,6 +48,8 @@ def _head(runs: Sequence[Simulation]) -> Text:
         share = f"{number / len(trials):.0%}"
         head.append(f"{'✓' if number == len(trials) else '✗'} {number} of {len(trials)} runs ")
         head.append(f"{word} ({share})   ", style=style)
+    if replaced := sum(t.replaced for t in trials):
+        head.append(f"\n{replaced} commands replaced by the shield", style="yellow")
     return head
 
 

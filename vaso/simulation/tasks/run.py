@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict
 
 from vaso.errors import SceneError
 from vaso.execution import RunLog, execute
+from vaso.monitoring import Shield
 from vaso.plan.model import Plan
 from vaso.platforms import Platform, get_platform
 from vaso.simulation.jackal import JackalSim
@@ -54,6 +55,11 @@ class Trial(BaseModel):
         return self.outcome != "aborted" and all(c.is_true for c in self.clauses)
 
     @property
+    def replaced(self) -> int:
+        """Commands of the plan that the shield has replaced."""
+        return sum(record.intervention is not None for record in self.log.records)
+
+    @property
     def is_safe(self) -> bool:
         """Whether the executed trace keeps every rule."""
         return all(rule.outcome == "kept" for rule in self.rules)
@@ -94,6 +100,7 @@ def simulate(
     task: SimTask,
     *,
     seeds: Iterable[int] = (0,),
+    shield: bool = False,
     on_trial: Callable[[Trial], None] | None = None,
 ) -> Simulation:
     """Run a plan on a task's scene, once for each seed.
@@ -103,6 +110,7 @@ def simulate(
         plan: The plan.
         task: The task.
         seeds: Seeds of the runs.
+        shield: Whether the run-time shield stands between the plan and the robot.
         on_trial: Called after each run.
 
     Raises:
@@ -112,15 +120,17 @@ def simulate(
     """
     trials: list[Trial] = []
     for seed in seeds:
-        trials.append(try_plan(skill, plan, task, seed))
+        trials.append(try_plan(skill, plan, task, seed, shield=shield))
         if on_trial is not None:
             on_trial(trials[-1])
     source = plan if isinstance(plan, str) else plan.source
     return Simulation(prompt=task.prompt, plan=source, trials=tuple(trials))
 
 
-def try_plan(skill: Skill, plan: Plan | str, task: SimTask, seed: int) -> Trial:
-    """Run a plan on a task's scene with one seed.
+def try_plan(
+    skill: Skill, plan: Plan | str, task: SimTask, seed: int, *, shield: bool = False
+) -> Trial:
+    """Run a plan on a task's scene with one seed, with the shield if asked for.
 
     Raises:
         PlanError: The plan is not a program of this skill.
@@ -129,7 +139,8 @@ def try_plan(skill: Skill, plan: Plan | str, task: SimTask, seed: int) -> Trial:
     """
     robot = simulator(task, seed)
     _check_platform(skill, robot.platform)
-    log = execute(skill, plan, robot, seconds=task.seconds)
+    guard = Shield(skill, robot.platform) if shield else None
+    log = execute(skill, plan, robot, shield=guard, seconds=task.seconds)
     truth = robot.truth
     ending = log.ending
     assert ending is not None
