@@ -82,7 +82,7 @@ class Vehicle:
         self.due: dict[str, float] = {}
         self.muted: set[str] = set()
         self.cut = False
-        self.left = [0.0, 0.0]
+        self.texts = 0
 
     # the world
 
@@ -263,15 +263,24 @@ class Vehicle:
         problem = self.problem()
         self.say("arming", problem=problem)
         if problem:
-            self.link.mav.statustext_send(2, f"Arming denied: {problem}".encode()[:50])
+            self.tell(f"Arming denied: {problem}")
             return M.MAV_RESULT_TEMPORARILY_REJECTED
         self.armed, self.armed_at, self.touched_at = True, self.time, self.time - 1
         self.rose_at = self.time
         return M.MAV_RESULT_ACCEPTED
 
+    def tell(self, text: str) -> None:
+        """A status text; long ones go in chunks of 50 characters."""
+        self.texts += len(text) > 50
+        for start in range(0, len(text), 50):
+            chunk = text[start : start + 50].encode()
+            self.link.mav.statustext_send(
+                2, chunk, self.texts if len(text) > 50 else 0, start // 50
+            )
+
     def problem(self) -> str:
         if self.config.refuses:
-            return "Compass not calibrated"
+            return "Compass 0 not calibrated, see the sensors page of the ground station"
         if self.time < self.config.ready_s + 1:
             return "ekf2 missing data"
         if self.time - self.ground_station_at > 3.0 * self.config.speed:

@@ -46,6 +46,9 @@ class PX4Mavlink:
         on_event: Called with what a person should be told, such as why arming is refused.
         settings: Any other field of ``PX4Settings``.
 
+    Attributes:
+        on_event: As above; may be set at any time.
+
     Raises:
         RobotError: A setting is unknown or has no sense.
     """
@@ -69,7 +72,7 @@ class PX4Mavlink:
             )
         except (TypeError, ValueError) as error:
             raise RobotError(f"{self.name}: {error}") from error
-        self._on_event = on_event
+        self.on_event = on_event
         self._driver: DriverProcess | None = None
         self._asked: int | None = None
         self._measured: dict[str, float] = {}
@@ -200,8 +203,8 @@ class PX4Mavlink:
         return self._driver
 
     def _hear(self, event: Mapping[str, Any]) -> None:
-        if self._on_event is not None:
-            self._on_event(event["text"])
+        if self.on_event is not None:
+            self.on_event(event["text"])
 
 
 def _details(state: Mapping[str, Any]) -> dict[str, Scalar]:
