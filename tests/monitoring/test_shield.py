@@ -9,7 +9,7 @@ import pytest
 
 from vaso import get_platform, load_skill
 from vaso.execution import IdealRobot, execute
-from vaso.monitoring import Shield
+from vaso.monitoring import Shield, Watch
 from vaso.platforms import Command, Issued, Parameter, Platform, PropositionSpec
 from vaso.skill import Rule
 
@@ -131,6 +131,20 @@ def test_a_rule_that_cannot_be_watched_is_named():
     guard = shield("G(Y(X stop))", "G(speed < 0.5)")
     assert [r.text for r in guard.rules] == ["G(speed < 0.5)"]
     assert guard.unguarded[0][0].text == "G(Y(X stop))"
+
+
+def test_a_rule_about_very_many_readings_does_not_hold_up_the_robot():
+    many = " | ".join(f"thing_{i}" for i in range(24))
+    guard = shield(f"G(({many}) -> X stop)", "G(speed < 0.5)")
+    assert [r.text for r in guard.rules] == ["G(speed < 0.5)"]
+    assert guard.unguarded[0][1] == "it speaks of 24 sensor readings"
+    some = " | ".join(f"thing_{i}" for i in range(8))
+    guard = shield(f"G(({some}) -> X stop)")
+    ruling = step(guard, drive(0.3), {f"thing_{i}": i == 5 for i in range(8)})
+    assert ruling.command == JACKAL.rest
+    watch = Watch([Rule(text=f"G(({many}) -> X stop)")])
+    watch.observe({})
+    assert "24 things" in watch.statuses[0].problem or "25 things" in watch.statuses[0].problem
 
 
 # -------------------------------------------------------------------------------- flight

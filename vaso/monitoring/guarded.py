@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TypeAlias
 
-from vaso.dynamics.interval import compared, enclose
+from vaso.dynamics.interval import Interval, compared, enclose
 from vaso.dynamics.rules import invariant, names_in
 from vaso.ltl import Atom, Comparison, Formula, Proposition, Unary, nnf
 from vaso.monitoring.forecast import Phase
@@ -31,6 +31,8 @@ Acts: TypeAlias = Callable[[str, Phase, bool], bool | None]
 """Whether an action holds in a phase, the first one or a later one; None where it is no action."""
 
 MAX_UNKNOWN = 6
+"""Values that are not known, each of which is looked at by itself; beyond, all at once."""
+
 MAX_REMEMBERED = 5_000
 MAX_TURNS = 50
 TOLERANCE = 1e-6
@@ -221,21 +223,19 @@ class Guarded:
 
 def _excess(atom: Comparison, phases: Sequence[Phase]) -> float:
     """By how much a comparison may fail at most; for equations, how far the sides may differ."""
-    found = -float("inf")
-    for phase in phases:
-        if any(name not in phase.bounds for name in names_in(atom)):
-            continue
-        left, right = enclose(atom.left, phase.bounds), enclose(atom.right, phase.bounds)
-        above, below = left[1] - right[0], right[1] - left[0]
-        found = max(
-            found,
-            above
-            if atom.op in ("<", "<=")
-            else below
-            if atom.op in (">", ">=")
-            else max(above, below),
-        )
-    return found
+    known = [p.bounds for p in phases if all(name in p.bounds for name in names_in(atom))]
+    return max((_gap(atom, bounds) for bounds in known), default=-math.inf)
+
+
+def _gap(atom: Comparison, bounds: Mapping[str, Interval]) -> float:
+    left, right = enclose(atom.left, bounds), enclose(atom.right, bounds)
+    above, below = left[1] - right[0], right[1] - left[0]
+    match atom.op:
+        case "<" | "<=":
+            return above
+        case ">" | ">=":
+            return below
+    return max(above, below)
 
 
 def _guess(letter: Letter, partial: Partial) -> Guess:

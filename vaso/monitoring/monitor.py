@@ -38,6 +38,9 @@ MAX_ATOMS = 6
 MAX_SITUATIONS = 100
 """Bounds within which all situations are looked at beforehand, for the exact answer."""
 
+MAX_UNKNOWN = 10
+"""Values that may be missing in a step: every combination of them is followed."""
+
 MAX_REMEMBERED = 20_000
 """Steps that are remembered, so that a long run does not use ever more memory."""
 
@@ -137,7 +140,13 @@ class Monitor:
         return self._truth.get(here, Truth.OPEN)
 
     def all_after(self, here: Iterable[Situation], letter: Partial) -> frozenset[Situation]:
-        """Every situation that is possible after a step of which not everything is known."""
+        """Every situation that is possible after a step of which not everything is known.
+
+        Raises:
+            FormulaError: Too much is not known.
+        """
+        if letter.count(None) > MAX_UNKNOWN:
+            raise FormulaError(f"{letter.count(None)} things that it speaks of are not known")
         letters = completions(letter)
         return frozenset(self.after(s, full) for s in here for full in letters)
 

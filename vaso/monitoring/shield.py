@@ -22,7 +22,7 @@ from vaso.monitoring.actions import skill_actions
 from vaso.monitoring.estimate import Estimate
 from vaso.monitoring.forecast import Forecaster, Phase, backups
 from vaso.monitoring.guarded import Guarded, Guess
-from vaso.monitoring.monitor import Partial
+from vaso.monitoring.monitor import MAX_UNKNOWN, Partial
 from vaso.monitoring.ruling import Ruling, Violation
 from vaso.monitoring.split import split
 from vaso.monitoring.wording import reason_for
@@ -73,6 +73,7 @@ class Shield:
         truth = platform.dynamics.truth(platform.dynamics.initial())
         self._truths = {name for name, value in truth.items() if isinstance(value, bool)}
         self._actions = self._unknown_actions(skill)
+        self._drop_what_cannot_be_foretold()
         self._world = platform.dynamics.initial()
         numbers = {n for guarded in self._rules for n in guarded.numbers}
         self._estimate = Estimate.at_rest(platform, numbers)
@@ -258,6 +259,14 @@ class Shield:
                 yield Guarded(rule, safety)
             except FormulaError as error:
                 self.unguarded.append((rule, error.message))
+
+    def _drop_what_cannot_be_foretold(self) -> None:
+        """Leave out rules about so many readings that their combinations cannot be looked at."""
+        for guarded in list(self._rules):
+            names = propositions(guarded.monitor.formula) - self._truths - self._actions.keys()
+            if len(names) > MAX_UNKNOWN:
+                self._rules.remove(guarded)
+                self.unguarded.append((guarded.rule, f"it speaks of {len(names)} sensor readings"))
 
     def _unknown_actions(self, skill: Skill) -> dict[str, Issued | None]:
         """Actions of the skill that the platform does not know, where a rule speaks of them."""

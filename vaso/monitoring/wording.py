@@ -40,7 +40,7 @@ def _because(guarded: Guarded, phases: Sequence[Phase]) -> str:
 
 def _number(atom: Comparison, phases: Sequence[Phase], index: int) -> str:
     bounds = phases[index].bounds
-    values = [f"{n} may come to {_extreme(atom, bounds[n]):.3g}" for n in sorted(names_in(atom))]
+    values = [f"{n} may come to {_extreme(atom, bounds[n]):.4g}" for n in sorted(names_in(atom))]
     when = "" if index == 0 else " before the robot is at rest again"
     return " and ".join(values) + when
 
