@@ -30,6 +30,8 @@ PERSON = Detection("person", 0.9)
         '{"detections": [{"class": "person", "score": 0.9}]}',
         '{"objects": [{"category": "person", "probability": 0.9}], "frame": 17}',
         '{"class": "person", "score": 0.9}',
+        '{"detections": {"person": 0.9}}',
+        '{"detections": [{"results": [{"hypothesis": {"class_id": "person", "score": 0.9}}]}]}',
     ],
 )
 def test_many_shapes_say_the_same(text):
@@ -56,7 +58,10 @@ def test_a_name_alone_is_certain():
         "true",
         "{}",
         '{"detections": null}',
-        '{"detections": {"person": 0.9}}',
+        '{"person": 0.9}',
+        '{"detections": {"person": "near"}}',
+        '{"detections": [{"results": [{"score": 0.9}]}]}',
+        '[{"class": "person", "score": 1' + 400 * "0" + "}]",
         '[{"class": 0, "score": 0.9}]',
         '[{"score": 0.9}]',
         '[{"class": "person", "score": null}]',
@@ -80,7 +85,17 @@ def test_what_cannot_be_read_is_not_taken_for_nothing_seen(text):
             st.lists(c)
             | st.dictionaries(
                 st.sampled_from(
-                    ["class", "score", "detections", "stamp", "header", "classes", "sec", "x"]
+                    [
+                        "class",
+                        "score",
+                        "detections",
+                        "stamp",
+                        "header",
+                        "classes",
+                        "sec",
+                        "results",
+                        "x",
+                    ]
                 ),
                 c,
             )
@@ -102,6 +117,8 @@ def test_any_text_is_read_or_refused(text):
         ('{"timestamp": 12.5, "detections": []}', 12.5),
         ('{"header": {"stamp": {"sec": 12, "nanosec": 500000000}}, "detections": []}', 12.5),
         ('{"stamp": 0, "detections": []}', None),
+        ('{"stamp": 1' + 400 * "0" + ', "detections": []}', None),
+        ('{"stamp": NaN, "detections": []}', None),
         ('{"stamp": "noon", "detections": []}', None),
         ('{"stamp": {"sec": "x"}, "detections": []}', None),
     ],

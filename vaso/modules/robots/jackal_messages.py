@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeGuard
 
@@ -56,7 +56,9 @@ def read_report(text: str) -> Report:
     ``{"stamp": 1730000000.25, "classes": ["person", "chair"], "detections": [{"class": "person",
     "score": 0.91}]}`` says everything; a list of detections alone will do. A class may be called
     ``class``, ``label`` or ``name``, a score ``score`` or ``confidence``, and where there is no
-    score it is 1. Other keys, such as bounding boxes, are ignored.
+    score it is 1. ``{"detections": {"person": 0.91}}`` and a ``vision_msgs/Detection2DArray`` as
+    JSON will do, too. Several detectors on one topic tell themselves apart by ``source``. Other
+    keys, such as bounding boxes, are ignored.
 
     Raises:
         ValueError: It is something else. No part of it is used then: the part that cannot be read
@@ -67,16 +69,27 @@ def read_report(text: str) -> Report:
     except (ValueError, RecursionError) as error:
         raise ValueError(f"no JSON: {error}") from error
     if isinstance(data, list):
-        return Report(tuple(_detection(d) for d in data))
+        return Report(tuple(_detections(data)))
     if not isinstance(data, dict):
         raise ValueError(f"neither a list nor an object, but {_short(data)}")
     rest = (_stamp(data), _classes(data), str(data.get("source") or ""))
     found = next((data[k] for k in _LISTS if k in data), None)
+    if isinstance(found, dict):
+        return Report(tuple(Detection(n, _score(s, found)) for n, s in found.items()), *rest)
     if isinstance(found, list):
-        return Report(tuple(_detection(d) for d in found), *rest)
+        return Report(tuple(_detections(found)), *rest)
     if found is None and _first(data, _NAMES, str) is not None:
         return Report((_detection(data),), *rest)
     raise ValueError(f"no list of detections in {_short(data)}")
+
+
+def _detections(data: Sequence[Any]) -> Iterator[Detection]:
+    for each in data:
+        if isinstance(each, dict) and isinstance(each.get("results"), list):  # a Detection2D
+            for result in each["results"]:
+                yield _detection(result.get("hypothesis") if isinstance(result, dict) else result)
+        else:
+            yield _detection(each)
 
 
 def _detection(data: Any) -> Detection:
@@ -94,7 +107,7 @@ def _detection(data: Any) -> Detection:
 def _score(value: Any, data: Any) -> float:
     try:
         score = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         score = math.nan
     if not 0 <= score <= 1:
         raise ValueError(f"a score that is not between 0 and 1: {_short(data)}")
@@ -112,7 +125,7 @@ def _stamp(data: Mapping[str, Any]) -> float | None:
 
 
 def _is_number(value: Any) -> TypeGuard[float]:
-    return isinstance(value, (int, float)) and math.isfinite(value)
+    return isinstance(value, (int, float)) and abs(value) < 1e18  # also for NaN
 
 
 def _classes(data: Mapping[str, Any]) -> frozenset[str] | None:
