@@ -235,6 +235,13 @@ def test_telemetry(tmp_path, shape):
     assert truth == "violated" and 20 <= step <= 23
 
 
+def test_a_landing_without_set_points(tmp_path):
+    """PX4 lands by itself when nobody sends set-points any more."""
+    messages = [m for m in flight(5.0) if m[0] != "SET_POSITION_TARGET_LOCAL_NED" or m[1] < 14]
+    report = check_log(write(tmp_path / "log", [SHAPES["to_dict"](*m) for m in messages]), SQUARE)
+    assert report.verdict is Verdict.PASS, statuses(report)
+
+
 def test_a_table_of_positions(tmp_path):
     rows = [
         "timestamp,LOCAL_POSITION_NED.z,LOCAL_POSITION_NED.vx,LOCAL_POSITION_NED.vy,LOCAL_POSITION_NED.vz"

@@ -19,6 +19,7 @@ from vaso.monitoring.monitor import (
     completions,
     letter_of,
 )
+from vaso.monitoring.tolerance import EXACT, Tolerance
 from vaso.plan.transition_system import Label
 from vaso.skill import Rule
 
@@ -49,6 +50,7 @@ class Guarded:
     Args:
         rule: The rule.
         safety: Its safety part.
+        tolerance: How measured numbers are compared.
 
     Attributes:
         robust: Whether its comparisons are read as "throughout the period".
@@ -58,8 +60,9 @@ class Guarded:
         FormulaError: It cannot be watched.
     """
 
-    def __init__(self, rule: Rule, safety: Formula) -> None:
+    def __init__(self, rule: Rule, safety: Formula, tolerance: Tolerance = EXACT) -> None:
         self.rule = rule
+        self._tolerance = tolerance
         self.monitor = Monitor(nnf(safety))
         self.robust = not isinstance(invariant(safety), str)
         self.broken = False
@@ -81,7 +84,10 @@ class Guarded:
             labels: What is true in the state.
             model: The platform's numbers by its model.
         """
-        letter = letter_of(self.monitor.atoms, labels if self.robust else {**labels, **model})
+        if self.robust:
+            letter = self._tolerance.letter(self.monitor.atoms, labels)
+        else:
+            letter = letter_of(self.monitor.atoms, {**labels, **model})
         reached = self._kept(self.monitor.all_after(self._possible, letter))
         self.broken = not reached
         if self.broken:

@@ -25,6 +25,7 @@ from vaso.monitoring.guarded import Guarded, Guess
 from vaso.monitoring.monitor import MAX_UNKNOWN, Partial
 from vaso.monitoring.ruling import Ruling, Violation
 from vaso.monitoring.split import split
+from vaso.monitoring.tolerance import Tolerance
 from vaso.monitoring.wording import reason_for
 from vaso.plan.transition_system import Label
 from vaso.platforms import Issued, Platform
@@ -251,12 +252,13 @@ class Shield:
             )
 
     def _guarded(self, rules: Iterable[Rule]) -> Iterable[Guarded]:
+        tolerance = Tolerance.of(self.platform)
         for rule in rules:
             safety = split(rule.formula).safety
             if safety == TRUE:
                 continue
             try:
-                yield Guarded(rule, safety)
+                yield Guarded(rule, safety, tolerance)
             except FormulaError as error:
                 self.unguarded.append((rule, error.message))
 

@@ -95,6 +95,8 @@ def _sample(
     last = before[0].issued if before else platform.rest
     if issued is not None and last is not None:
         measured["velocity_change"] = math.dist(_vector(issued), _vector(last))
+    elif setpoints:  # while nobody sends set-points, as in PX4's own landing, none changes
+        measured["velocity_change"] = 0.0
     return Sample(
         time=round(index * platform.dt, 9),
         command=str(issued) if issued is not None else "",
