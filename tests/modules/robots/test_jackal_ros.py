@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from vaso import load_skill
+from vaso.cli import run
 from vaso.errors import RobotError, StaleReadingError
 from vaso.execution import Robot, execute
 from vaso.modules.robots import JackalROS
@@ -313,6 +314,16 @@ def test_the_clock_of_a_simulator(python):
     peer.until(lambda: peer.stamps[-1:] == [100], "velocities have another time")
     robot.close()
     peer.close()
+
+
+@pytest.mark.slow
+def test_vaso_robot_check(peer, python, monkeypatch, capfd):
+    monkeypatch.setenv("VASO_ROS_PYTHON", python)
+    before = len(peer.heard)
+    assert run(["robot", "check", "jackal", "--connect", "?patience=30", "--json"]) == 0
+    told = json.loads(capfd.readouterr().out)
+    assert told["ok"] and told["details"]["listeners"] == 1
+    assert len(peer.heard) == before
 
 
 @pytest.mark.slow
