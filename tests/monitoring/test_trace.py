@@ -291,6 +291,8 @@ TWIST = twist(1.0, 0.3)
         (json.dumps({k: v for k, v in POSITION.items() if k != "vz"}), "has no vz"),
         (json.dumps({k: v for k, v in POSITION.items() if k != "t"}), "has no time"),
         (json.dumps(POSITION | {"mavpackettype": "ATTITUDE"}), "no LOCAL_POSITION_NED"),
+        (json.dumps(TWIST) + "\n" + json.dumps(twist(1.0e17, 0.3)), "the log spans 1e+08 s"),
+        (json.dumps(POSITION) + "\n" + json.dumps(POSITION | {"t": 1e9}), "the log spans 1e+09 s"),
         ('{"kind": "run"}\n', ":1: not a line of a log"),
         ("[" * 100_000, "no JSON"),
     ],

@@ -16,7 +16,7 @@ from typing import Any
 
 from vaso.errors import VasoError
 from vaso.monitoring.recorded.lines import Item, bad, number
-from vaso.monitoring.recorded.recording import Recording, Sample
+from vaso.monitoring.recorded.recording import Recording, Sample, sample_count
 from vaso.platforms import Issued, Platform
 
 __all__ = ["is_mavlink", "mavlink_recording"]
@@ -74,7 +74,7 @@ def mavlink_recording(items: Sequence[Item], platform: Platform) -> Recording:
     start, end = _flight(messages)
     track = _Track(positions, start)
     setpoints = [m for m in messages if m.kind == SETPOINT]
-    count = 1 + max(0, math.ceil(round((end - start) / platform.dt, 6)))
+    count = sample_count(end - start, platform.dt, items[0].source)
     samples: list[Sample] = []
     for index in range(count):
         time = start + index * platform.dt
@@ -150,8 +150,8 @@ def _command(setpoints: Sequence[_Message], time: float, platform: Platform) -> 
     if index < 0 or time - setpoints[index].time > AGE:
         return None
     message = setpoints[index]
-    mask = message.fields.get("type_mask", 0)
-    holds = isinstance(mask, int | float) and int(mask) & NO_VELOCITY == NO_VELOCITY
+    mask = number(message.item, message.fields.get("type_mask", 0), f"{SETPOINT}.type_mask")
+    holds = int(mask) & NO_VELOCITY == NO_VELOCITY
     velocity = (0.0, 0.0, 0.0) if holds else _velocity(message)
     return platform.commands[0].issue((velocity,), {})
 
@@ -200,8 +200,8 @@ def _messages(items: Sequence[Item]) -> Iterator[_Message]:
                 continue  # before the first message that has a time
             raise bad(item, f"{kind} has no time", expected="t, timestamp or time_boot_ms")
         last = time
-        if kind == HEARTBEAT and not isinstance(fields.get("base_mode", 0), int | float):
-            raise bad(item, "HEARTBEAT.base_mode is no number")
+        if kind == HEARTBEAT:
+            number(item, fields.get("base_mode", 0), "HEARTBEAT.base_mode")
         yield _Message(time, kind, fields, item)
 
 

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from vaso.errors import VasoError
 from vaso.plan.transition_system import Label, Scalar
 from vaso.platforms import Issued
 
-__all__ = ["Recording", "Sample"]
+__all__ = ["Recording", "Sample", "sample_count"]
+
+MAX_SAMPLES = 1_000_000
+"""More than a day at 10 Hz."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,3 +66,19 @@ class Recording:
     platform: str = ""
     plan: str = ""
     task: str = ""
+
+
+def sample_count(seconds: float, dt: float, source: str) -> int:
+    """The number of samples of a recording, the one at its start included.
+
+    Raises:
+        VasoError: It is too long; most likely its times are not all of one clock.
+    """
+    if seconds / dt > MAX_SAMPLES:
+        raise VasoError(
+            f"the log spans {seconds:.3g} s",
+            source=source,
+            expected=f"at most {MAX_SAMPLES * dt:g} s",
+            hint="are all its times of the same clock, and in seconds?",
+        )
+    return 1 + max(0, math.ceil(round(seconds / dt, 6)))

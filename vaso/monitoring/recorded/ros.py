@@ -7,14 +7,13 @@ names them. What it is, its fields tell: ``Twist``, ``TwistStamped``, ``Odometry
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from vaso.errors import VasoError
 from vaso.monitoring.recorded.lines import Item
-from vaso.monitoring.recorded.recording import Recording, Sample
+from vaso.monitoring.recorded.recording import Recording, Sample, sample_count
 from vaso.monitoring.recorded.ros_messages import (
     detected,
     looks_like_detections,
@@ -87,7 +86,7 @@ def ros_recording(items: Sequence[Item], platform: Platform, options: RosOptions
     velocities = _chosen(streams.velocities, options.velocity_topic, items[0].source)
     dt, first = platform.dt, velocities[0][0]
     last = max(streams.times)
-    count = 1 + max(1, math.ceil(round((last - first) / dt + 0.5, 6)))
+    count = sample_count(max(last - first, 0.0) + dt / 2, dt, items[0].source)
     samples = tuple(
         _sample(index, first + (index - 0.5) * dt, velocities, streams, platform, options)
         for index in range(count)
