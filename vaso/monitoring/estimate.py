@@ -14,7 +14,7 @@ from dataclasses import replace
 from typing import TypeVar
 
 from vaso.dynamics.commands import setpoints_of
-from vaso.dynamics.interval import Interval, hull
+from vaso.dynamics.interval import Interval, hull, inside
 from vaso.dynamics.period import Box, Period, SetPoints, at_rest
 from vaso.dynamics.vehicles import whole
 from vaso.platforms import (
@@ -191,13 +191,14 @@ class Estimate:
         return box
 
     def _with_channel(self, box: Box, index: int, components: tuple[Interval, ...]) -> Box:
-        corner = math.hypot(*(max(abs(a), abs(b)) for a, b in components))
-        nearest = math.hypot(*(max(0.0, a, -b) for a, b in components))
-        norm = box.norms[index] if nearest <= box.norms[index] else corner
+        """The bounds with other ones for a velocity; its magnitude is known if they are inside."""
+        norm = math.hypot(*(max(abs(a), abs(b)) for a, b in components))
+        if all(map(inside, components, box.velocities[index])):
+            norm = min(norm, box.norms[index])
         return replace(
             box,
             velocities=_replaced(box.velocities, index, components),
-            norms=_replaced(box.norms, index, min(corner, norm)),
+            norms=_replaced(box.norms, index, norm),
         )
 
     def _with_aims(self, box: Box) -> Box:
