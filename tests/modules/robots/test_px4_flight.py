@@ -17,7 +17,7 @@ pytest.importorskip("pymavlink", reason="needs the extra px4")
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from px4_testing import Vehicle, fly, robot, square
+from px4_testing import UNHURRIED, Vehicle, fly, robot, square
 
 from vaso.errors import MissingDependencyError, RobotError
 from vaso.execution import Robot
@@ -38,7 +38,7 @@ class Stand:
 
     def __call__(self, settings: dict[str, Any] | None = None, **config: Any) -> PX4Mavlink:
         self.vehicle = Vehicle(self.folder, **{"speed": SPEED, **config})
-        given = {"connect_s": 10.0, "ready_s": 20.0, "position_lost_s": 5.0, **(settings or {})}
+        given = {"connect_s": 10.0, "ready_s": 20.0, **UNHURRIED, **(settings or {})}
         px4 = robot(self.vehicle, self.folder, on_event=self.told.append, **given)
         self.robots.append(px4)
         return px4

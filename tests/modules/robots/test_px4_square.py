@@ -13,7 +13,7 @@ pytest.importorskip("pymavlink", reason="needs the extra px4")
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-from px4_testing import Vehicle, robot
+from px4_testing import UNHURRIED, Vehicle, robot
 
 from vaso import load_skill
 from vaso.execution import RunLog, execute
@@ -29,7 +29,7 @@ NEAR = 0.6  # m; the vehicle's own estimate is off by some 0.1 m
 def flown(folder: Path, speed: float) -> tuple[RunLog, Vehicle]:
     skill = load_skill(SKILL)
     vehicle = Vehicle(folder, speed=speed, ready_s=6.0)
-    settings = {} if speed == 1 else {"position_lost_s": 5.0}
+    settings = {} if speed == 1 else UNHURRIED
     try:
         px4 = robot(vehicle, folder, **settings)
         log = execute(skill, SymbolicPlanner()(skill, TASK), px4, log=folder / "run.jsonl")

@@ -24,7 +24,6 @@ from vaso.modules.robots.px4_track import Track
 __all__ = ["Flight", "Phase"]
 
 ALIVE_S = 1.0
-HELD_UP_S = 0.8  # a gap in the stream so long that PX4 may be about to end offboard mode
 KEEP_S = 1.0  # how long set-points go on while AUTO.LAND is asked for
 
 
@@ -145,7 +144,7 @@ class Flight:
             self._fly(passed)
         elif self.phase is Phase.LANDED:
             self._stand(passed, now)
-        if self._stream is not None and now - self._sent_at > HELD_UP_S:
+        if self._stream is not None and now - self._sent_at > self._settings.held_up_s:
             held_up = f"the driver was held up for {now - self._sent_at:.1f} s"
             self.fail(Fault(held_up, is_deaf=True))
         if self._sequence is not None:

@@ -34,6 +34,8 @@ class PX4Settings:
             landed.
         first_s: The same between arming and the first command.
         silence_s: How long VASO's process may be silent before the vehicle is landed.
+        held_up_s: A gap in the stream of set-points so long that PX4 may be about to end offboard
+            mode (``COM_OF_LOSS_T``): the vehicle is landed, and the stream does not go on.
         climb_s: How long the vehicle may lag behind while it takes off; the period waits.
         land_s: How long a landing may take, until the vehicle has disarmed itself.
         give_up_s: How long the driver, left alone, tries to land a vehicle that it cannot hear.
@@ -57,6 +59,7 @@ class PX4Settings:
     stall_s: float = 1.0
     first_s: float = 5.0
     silence_s: float = 1.0
+    held_up_s: float = 0.8
     climb_s: float = 15.0
     land_s: float = 60.0
     give_up_s: float = 60.0
