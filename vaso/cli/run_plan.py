@@ -25,8 +25,8 @@ from vaso.cli.common import (
 from vaso.errors import PlanError
 
 if TYPE_CHECKING:
-    from vaso.execution import Guard, Robot, RunLog
-    from vaso.monitoring import Watch
+    from vaso.execution import Robot, RunLog
+    from vaso.monitoring import Shield, Watch
     from vaso.plan.model import Plan
     from vaso.skill import Skill
 
@@ -90,21 +90,23 @@ def run(
     machine = get_robot(robot, platform or chosen.platform, connect=connect, scene=scene, seed=seed)
     verdict = _verified(chosen, wanted, platform, unverified)
     path = log or _default_log(chosen.name)
+    shield = None if no_shield else _shield(chosen, machine)
     with Watching(chosen, machine, quiet=as_json) as watching:
         done = execute(
             chosen,
             wanted,
             machine,
-            shield=None if no_shield else _shield(chosen, machine),
+            shield=shield,
             seconds=SIMULATED_SECONDS if seconds is None and machine.is_simulated else seconds,
             log=path,
             on_record=watching,
             verdict=verdict,
         )
     if as_json:
-        emit(_data(done, watching.watch, path))
+        emit(_data(done, watching.watch, shield, path))
     else:
-        console().print(summary(done, watching.watch, machine.platform, path))
+        unguarded = shield.unguarded if shield else ()
+        console().print(summary(done, watching.watch, machine.platform, path, unguarded))
     _draw(done, machine, picture, animation, chosen)
     leave(_exit_code(done, watching.watch))
 
@@ -156,7 +158,7 @@ def _verified(skill: Skill, plan: Plan, platform: str | None, unverified: bool) 
     return result.verdict.value
 
 
-def _shield(skill: Skill, robot: Robot) -> Guard:
+def _shield(skill: Skill, robot: Robot) -> Shield:
     from vaso.monitoring import Shield
 
     return Shield(skill, robot.platform)
@@ -168,7 +170,7 @@ def _default_log(skill: str) -> Path:
     return Path("runs") / f"{skill}-{now}.jsonl"
 
 
-def _data(log: RunLog, watch: Watch, path: Path) -> dict[str, Any]:
+def _data(log: RunLog, watch: Watch, shield: Shield | None, path: Path) -> dict[str, Any]:
     assert log.ending is not None
     last = log.records[-1] if log.records else None
     return {
@@ -193,6 +195,9 @@ def _data(log: RunLog, watch: Watch, path: Path) -> dict[str, Any]:
             {"step": r.step, "time": r.time, **r.intervention.model_dump()}
             for r in log.records
             if r.intervention is not None
+        ],
+        "unguarded": [
+            {"rule": rule.text, "reason": why} for rule, why in (shield.unguarded if shield else ())
         ],
         "measured": last.measured if last else {},
         "log": str(path),

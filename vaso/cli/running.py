@@ -18,7 +18,7 @@ from vaso.execution import Ending, Record, Robot, RunLog
 from vaso.ltl import to_english
 from vaso.monitoring import RuleStatus, Truth, Watch
 from vaso.platforms import Platform
-from vaso.skill import Skill
+from vaso.skill import Rule, Skill
 
 __all__ = ["Watching", "summary"]
 
@@ -50,7 +50,7 @@ class Watching:
     """
 
     def __init__(self, skill: Skill, robot: Robot, *, quiet: bool = False) -> None:
-        self.watch = Watch.of(skill)
+        self.watch = Watch.of(skill, robot.platform)
         self._skill, self._robot, self._quiet = skill, robot, quiet
         self._console = make_console(stderr=True)
         self._live: Live | None = None
@@ -102,7 +102,13 @@ class Watching:
         return Group(Text(f"{self._skill.name} on {self._robot.name}", style="bold"), grid)
 
 
-def summary(log: RunLog, watch: Watch, platform: Platform, path: object) -> Group:
+def summary(
+    log: RunLog,
+    watch: Watch,
+    platform: Platform,
+    path: object,
+    unguarded: Sequence[tuple[Rule, str]] = (),
+) -> Group:
     """What came of a run.
 
     Args:
@@ -110,6 +116,7 @@ def summary(log: RunLog, watch: Watch, platform: Platform, path: object) -> Grou
         watch: The rules, as they stand after the last state.
         platform: Its phrases are used for rules in English.
         path: Where the log is.
+        unguarded: Rules that the shield could not guard, with the reason.
     """
     ending = log.ending or Ending(outcome="aborted", reason="the log has no end")
     head = Text(*OUTCOMES[ending.outcome])
@@ -122,6 +129,9 @@ def summary(log: RunLog, watch: Watch, platform: Platform, path: object) -> Grou
         parts.append(Padding(Text(ending.reason, style=style), (0, 0, 0, 2)))
     parts += [line for status in watch.statuses for line in _rule_lines(status, platform)]
     parts += [Padding(Text(told, style="yellow"), (0, 0, 0, 2)) for told in _remarks(log)]
+    for rule, why in unguarded:
+        told = f"the shield does not guard {rule.text}: {why}"
+        parts.append(Padding(Text(told, style="yellow"), (0, 0, 0, 2)))
     parts.append(Text(f"  log: {path}", style="dim"))
     return Group(*parts)
 
