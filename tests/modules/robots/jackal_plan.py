@@ -1,5 +1,6 @@
 """A plan process to be killed or stalled: drives ahead over ROS until it cannot any more."""
 
+import json
 import sys
 
 from vaso import load_skill
@@ -15,5 +16,5 @@ while True:
 """
 
 if __name__ == "__main__":
-    robot = JackalROS(python=sys.argv[1], patience=30)
+    robot = JackalROS(python=sys.argv[1], **json.loads(sys.argv[2]))
     print(execute(load_skill("drive"), PLAN, robot).ending.model_dump_json())

@@ -17,6 +17,8 @@ HERE = Path(__file__).parent
 BOUND_S = 1.5  # what is required of every failure, measured at the peer
 LOADED_S = 1.0  # and what is forgiven to a machine that does other things meanwhile
 PATIENCE_S = 30.0
+PATIENT = {"command_timeout": 1.0, "age": 1.0, "odometry_age": 1.0, "patience": PATIENCE_S}
+"""Settings for a machine on which any process may have to wait for half a second."""
 EMPTY = '{"detections": []}'
 PERSON = '[{"class": "person", "score": 0.9}]'
 
