@@ -92,6 +92,8 @@ def run(
     path = log or _default_log(chosen.name)
     shield = None if no_shield else _shield(chosen, machine)
     with Watching(chosen, machine, quiet=as_json) as watching:
+        if hasattr(machine, "on_event"):
+            machine.on_event = watching.tell
         done = execute(
             chosen,
             wanted,

@@ -86,6 +86,11 @@ class Watching:
             self._drawn = now
             self._live.update(self._display(record), refresh=True)
 
+    def tell(self, event: str) -> None:
+        """Say what the robot says of itself: that it waits for its estimator, that it is armed."""
+        if not self._quiet:
+            self._console.print(f"robot    {event}", style="dim", soft_wrap=True)
+
     def _display(self, record: Record) -> RenderableType:
         grid = Table.grid(padding=(0, 2))
         grid.add_column(style="dim", no_wrap=True)
