@@ -127,5 +127,6 @@ class MissingDependencyError(VasoError, ImportError):
     def __init__(self, package: str = "", extra: str = "") -> None:
         super().__init__(
             f"the package '{package}' is not installed",
-            hint=f"install it with: uv sync --extra {extra}   (or: pip install 'vaso[{extra}]')",
+            hint="install it with: make everything   "
+            f"(or this alone: .tools/bin/uv sync --inexact --extra {extra})",
         )

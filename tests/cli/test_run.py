@@ -118,3 +118,33 @@ def test_the_log_has_a_place_of_its_own(vaso, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     found = vaso("run", "drive", *IDEAL, "--json")
     assert Path(found.json["log"]).exists() and Path(found.json["log"]).parent == Path("runs")
+
+
+@pytest.mark.parametrize(
+    ("skill", "task", "robot"),
+    [
+        ("drive", "fly to the moon", "ideal"),
+        ("drive", "Back up one meter", "ideal"),
+        ("drive", "stop", "jackal"),
+        ("drive", "drive 2 meters to the kitchen", "jackal"),
+        ("fly-in-square-shape-traj", "land", "px4"),
+    ],
+)
+def test_a_task_that_is_not_understood_moves_nothing(vaso, tmp_path, skill, task, robot):
+    found = vaso("run", skill, "--task", task, "--robot", robot, "--log", tmp_path / "log")
+    assert found.code == 2 and "does not understand" in found.err
+    assert not (tmp_path / "log").exists()
+
+
+def test_a_picture_that_cannot_be_drawn_is_refused_before_anything_moves(vaso, tmp_path):
+    found = vaso("run", "drive", *IDEAL, "--log", tmp_path / "l", "--picture", tmp_path / "x.jpg")
+    assert found.code == 2 and "x.jpg" in found.err and not (tmp_path / "l").exists()
+
+
+def test_a_robot_that_is_not_reached_has_kept_no_rule(vaso, tmp_path):
+    log = tmp_path / "log"
+    port = "udp:127.0.0.1:1"
+    found = vaso(
+        "run", "fly-in-square-shape-traj", "--robot", "px4", "--connect", port, "--log", log
+    )
+    assert found.code in (1, 2) and "✓" not in found.out

@@ -176,7 +176,7 @@ def test_a_package_that_is_missing_is_a_row_with_an_error(monkeypatch):
     assert "adalflow" not in installed() and "repair" in installed()
     found = compare("drive", optimizers="adalflow,repair", lm="edits", tasks=TASKS, unseen=False)
     assert "'adalflow' is not installed" in found.rows[0].error
-    assert "uv sync --extra adalflow" in found.rows[0].error
+    assert "--extra adalflow" in found.rows[0].error
     assert found.rows[0].safety is None and found.rows[1].verified
 
 

@@ -33,7 +33,7 @@ def test_without_matplotlib_it_says_what_to_install(found, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     with pytest.raises(MissingDependencyError, match="matplotlib") as caught:
         found.plot()
-    assert "uv sync --extra plots" in str(caught.value)
+    assert "--extra plots" in str(caught.value)
     assert "<svg" in found.svg()
 
 

@@ -298,7 +298,7 @@ def test_check_has_level_c() -> None:
 def test_check_says_how_to_get_level_c(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("vaso.synthesis.is_installed", lambda: False)
     result = check(contract(["F forward"]), timeout=60)
-    assert result.feasible is True and "uv sync --extra synthesis" in result.unchecked
+    assert result.feasible is True and "make everything" in result.unchecked
     with pytest.raises(MissingDependencyError):
         monkeypatch.setattr(solving, "is_installed", lambda: False)
         check(contract(["F forward"]), timeout=60, realizable=True)

@@ -146,7 +146,7 @@ def _readiness(name: str) -> str:
     from vaso.errors import RobotError
 
     if name == "px4" and find_spec("pymavlink") is None:
-        return "pip install 'vaso[px4]'"
+        return "make everything"
     if name == "jackal":
         from vaso.modules.robots.ros_environment import find_ros
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,7 +23,7 @@ from vaso.cli.common import (
     get_skill,
     leave,
 )
-from vaso.errors import PlanError
+from vaso.errors import PlanError, VasoError
 
 if TYPE_CHECKING:
     from vaso.execution import Robot, RunLog
@@ -85,8 +86,10 @@ def run(
     from vaso.execution import execute
     from vaso.modules.robots.opening import get_robot
 
+    for path, kinds in ((picture, PICTURES), (animation, ANIMATIONS)):
+        _check_suffix(path, kinds)
     chosen = get_skill(skill, version, name, platform)
-    wanted = _plan(chosen, plan, task, lm)
+    wanted = _plan(chosen, plan, task, lm, is_real=robot in ("jackal", "px4"))
     machine = get_robot(robot, platform or chosen.platform, connect=connect, scene=scene, seed=seed)
     verdict = _verified(chosen, wanted, platform, unverified)
     path = log or _default_log(chosen.name)
@@ -116,14 +119,30 @@ def run(
 SIMULATED_SECONDS = 120.0
 """How long a run in a simulator may be, on its clock."""
 
+PICTURES = (".png", ".svg", ".pdf")
+ANIMATIONS = (".gif", ".html")
 
-def _plan(skill: Skill, path: str | None, task: str | None, lm: str | None) -> Plan:
+
+def _check_suffix(path: Path | None, kinds: Sequence[str]) -> None:
+    """Refuse a kind of file that cannot be drawn, before anything moves.
+
+    Raises:
+        VasoError: It is another kind.
+    """
+    if path is not None and path.suffix.lower() not in kinds:
+        raise VasoError(f"cannot draw into '{path}'", expected=f"a file {' or '.join(kinds)}")
+
+
+def _plan(
+    skill: Skill, path: str | None, task: str | None, lm: str | None, *, is_real: bool
+) -> Plan:
     """The plan that the user named, or one for the task.
 
     Raises:
-        PlanError: Both are given, or the plan cannot be read.
+        PlanError: The plan cannot be read, or the task was not understood: nothing of it, or not
+            all of it, for a real robot.
     """
-    from vaso.cli.plan import make_plan
+    from vaso.cli.plan import make_filling, say_what_is_missing
     from vaso.plan.model import Plan
 
     if path is not None and task is not None and lm is not None:
@@ -131,7 +150,17 @@ def _plan(skill: Skill, path: str | None, task: str | None, lm: str | None) -> P
     if path is not None:
         return get_plan(path, task)
     if task is not None:
-        return make_plan(skill, task, lm)
+        filling = make_filling(skill, task, lm)
+        nothing = lm is None and not filling.filled and bool(filling.kept)
+        if (filling.unused and (nothing or is_real)) or (nothing and is_real):
+            told = ", ".join(f"'{part}'" for part in filling.unused) or f"'{task}'"
+            raise PlanError(
+                f"the planner without a model does not understand {told}",
+                hint=f'look at what `vaso plan {skill.name} "…"` makes of it, and run that with '
+                "--plan; or let a language model write the plan (--lm)",
+            )
+        say_what_is_missing(filling)
+        return filling.plan
     return Plan(source=skill.plan_template)
 
 
@@ -226,3 +255,5 @@ def _draw(
         from vaso.simulation import drawing
 
         drawing.draw(log, robot, picture=picture, animation=animation, skill=skill)
+        for path in filter(None, (picture, animation)):
+            console(stderr=True).print(f"  drawn: {path}", style="dim", soft_wrap=True)

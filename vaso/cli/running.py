@@ -132,7 +132,8 @@ def summary(
     if ending.reason:
         style = "red" if ending.outcome == "aborted" else "yellow"
         parts.append(Padding(Text(ending.reason, style=style), (0, 0, 0, 2)))
-    parts += [line for status in watch.statuses for line in _rule_lines(status, platform)]
+    if last:
+        parts += [line for status in watch.statuses for line in _rule_lines(status, platform)]
     parts += [Padding(Text(told, style="yellow"), (0, 0, 0, 2)) for told in _remarks(log)]
     for rule, why in unguarded:
         told = f"the shield does not guard {rule.text}: {why}"
@@ -150,10 +151,8 @@ def _remarks(log: RunLog) -> Iterator[str]:
         yield f"the shield stepped in {times}, {first}"
     late = [r.overrun for r in log.records if r.overrun > log.header.dt]
     if late:
-        yield (
-            f"{len(late)} periods were late by more than {log.header.dt:g} s, "
-            f"the worst by {max(late):.2f} s"
-        )
+        many = "one period was" if len(late) == 1 else f"{len(late)} periods were"
+        yield f"{many} longer than planned by up to {max(late):.2f} s"
 
 
 def _rule_lines(status: RuleStatus, platform: Platform) -> Iterator[RenderableType]:
@@ -161,6 +160,8 @@ def _rule_lines(status: RuleStatus, platform: Platform) -> Iterator[RenderableTy
     if status.truth is Truth.OPEN:
         mark, style = ("…", "yellow") if status.waits else MARKS[Truth.SATISFIED]
     line = Text(f"  {mark} ", style=style).append(status.rule.text, style="default not dim")
+    if status.rule.role == "assumption":
+        line.append("   (an assumption)", style="dim")
     if status.truth is Truth.VIOLATED:
         yield line.append(f"   violated in state {status.step}", style=style)
         sentence = to_english(status.rule.formula, platform.phrases)

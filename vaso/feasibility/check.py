@@ -92,7 +92,7 @@ def _with_plans(
     if wanted is False:
         return replace(result, unchecked="not checked")
     if wanted is None and not is_installed():
-        return replace(result, unchecked="not checked: uv sync --extra synthesis installs it")
+        return replace(result, unchecked="not checked: make everything installs what it needs")
     if wanted is None and seconds <= 0:
         return replace(result, unchecked="not checked: out of time")
     found = realizability(skill, platform=platform, timeout=max(seconds, 0.1))

@@ -19,7 +19,8 @@ WORDS |= {"thirty": 30.0, "forty": 40.0, "forty-five": 45.0, "sixty": 60.0, "nin
 
 _NAMED = "|".join(sorted(WORDS, key=len, reverse=True))
 PLAIN_NUMBER = rf"(?:\d+(?:\.\d+)?|\.\d+|(?:{_NAMED})(?:\s+and\s+a\s+half)?|half\s+an?)"
-NUMBER = rf"(?<![\w.]){PLAIN_NUMBER}"
+NUMBER = rf"(?<![\w.])(?<!\d,)(?<!\s[-−]){PLAIN_NUMBER}"
+"""A number that is neither negative nor what follows a decimal comma: these are not understood."""
 UNITS = r"(?:met(?:er|re)s?|m|centimet(?:er|re)s?|cm|kilomet(?:er|re)s?|km|feet|foot|ft)"
 MORE = r"(?:\s+(?:more|further|additional))?"
 LENGTH = rf"{NUMBER}{MORE}[\s-]*{UNITS}\b(?!\s*(?:/|per\s+(?:s|sec|second|h|hr|hour)\b))"

@@ -181,7 +181,7 @@ def main() -> None:
 
 def _remedy(error: Exception) -> str:
     if isinstance(error, ImportError):
-        return " (pip install pyserial)"
+        return " (make everything)"
     if isinstance(error, OSError) and error.errno == errno.EADDRINUSE:
         return " (by another program, or by a driver that still lands a vehicle)"
     return ""
