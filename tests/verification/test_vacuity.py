@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from vaso import Skill, load_skill, verify
+from vaso import Skill, compose, load_skill, verify
 from vaso.ltl import parse
 from vaso.plan.explore import Budget, compile_plan
 from vaso.platforms import get_platform
@@ -280,3 +280,8 @@ def test_the_page_about_it():
     exec(compile(code, "docs/vacuity.md", "exec"), scope)
     said = code.rpartition("# ")[2].strip()
     assert scope["result"].specs[-1].vacuous == said
+
+
+def test_numbers_of_members_are_compared_like_others():
+    found = compose({"a": "drive", "b": "drive"}, "G(a.speed < 0.5)", own=False)
+    assert found.specs[0].unchecked == "" and found.specs[0].vacuous is None

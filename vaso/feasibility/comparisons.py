@@ -101,8 +101,13 @@ def bound(comparison: Comparison) -> Bound:
         tuple((name, c / lead) for name, c in terms),
         op,
         -difference.constant / lead,
-        any(not name.isidentifier() for name, _ in terms),
+        any(not _is_name(name) for name, _ in terms),
     )
+
+
+def _is_name(text: str) -> bool:
+    """True for a variable, which may carry its member's name (``jackal.speed``)."""
+    return all(part.isidentifier() for part in text.split("."))
 
 
 def forms_of(bounds: Sequence[Bound]) -> list[Form]:
@@ -145,4 +150,4 @@ def _scaled(row: Row, factor: Fraction) -> Row:
 
 def values_of(solution: Mapping[str, Fraction]) -> dict[str, float]:
     """The values of the variables proper, as floating-point numbers."""
-    return {n: float(v) for n, v in solution.items() if n.isidentifier()}
+    return {n: float(v) for n, v in solution.items() if _is_name(n)}
