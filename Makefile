@@ -21,7 +21,7 @@ everything: .venv/.everything ## also install all optimizers, notebooks, and wha
 	@bash scripts/setup.sh everything
 	@touch $@
 
-demo: setup ## verify and optimize a skill, offline, in under a minute
+demo: setup ## verify and optimize a skill, offline; in under a minute once set up
 	@$(BIN)/vaso demo
 
 test: everything ## the fast tests; those of robots, which measure times, by themselves
