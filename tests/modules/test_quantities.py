@@ -220,7 +220,9 @@ def test_the_way_to_a_place_is_a_distance(prompt, legs):
     assert read_quantities(prompt, places).legs == tuple(Leg(*leg) for leg in legs)
 
 
-@pytest.mark.parametrize("text", ["2 m ", "left ", "a ", "to the ", "wait ", "3 by ", "max ", "search ", "find "])
+@pytest.mark.parametrize(
+    "text", ["2 m ", "left ", "a ", "to the ", "wait ", "3 by ", "max ", "search ", "find "]
+)
 def test_long_prompts_take_no_time(text):
     read_quantities(text * 3000)
 
