@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import random
 from types import SimpleNamespace
 
+import numpy
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from vaso import compile_plan, get_platform, load_skill
-from vaso.errors import PlanError, RobotError, StaleReadingError
+from vaso.errors import PlanError, RobotError, StaleReadingError, VasoError
 from vaso.execution import IdealRobot, Intervention, execute, read_log
+from vaso.execution.record import Writer
 
 DRIVE = load_skill("drive")
 SQUARE = load_skill("fly-in-square-shape-traj")
@@ -138,6 +141,67 @@ def test_a_bug_in_an_adapter_stops_the_robot_and_is_not_hidden(tmp_path):
         execute(DRIVE, "while True:\n    forward()\n", robot, log=tmp_path / "log")
     assert robot.stopped and robot.closed
     assert "ZeroDivisionError" in read_log(tmp_path / "log").ending.reason
+
+
+@pytest.mark.parametrize("where", ["stop", "health"])
+def test_a_robot_that_fails_at_its_end_is_closed(where, tmp_path):
+    robot = Failing("", None)
+
+    def fail(*_):
+        raise ZeroDivisionError("bug")
+
+    setattr(robot, where, fail)
+    with pytest.raises(ZeroDivisionError):
+        execute(DRIVE, "forward()\n", robot, log=tmp_path / "log")
+    assert robot.closed
+    assert read_log(tmp_path / "log").ending.outcome == "finished"
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("-inf"), None, "fast", 10**400])
+def test_a_measurement_that_is_no_number_aborts_the_run(value, tmp_path):
+    class Odd(IdealRobot):
+        def measured(self):
+            return {"speed": value if len(self.commands) > 2 else 0.0}
+
+    robot = Odd(JACKAL)
+    log = execute(DRIVE, "while True:\n    forward()\n", robot, log=tmp_path / "log")
+    assert log.ending.outcome == "aborted" and "speed is measured as" in log.ending.reason
+    assert robot.stopped and read_log(tmp_path / "log") == log
+
+
+@pytest.mark.parametrize("value", [1, 1.0, numpy.True_])
+def test_a_reading_is_the_platforms_own_value(value):
+    source = "while not people_observed():\n    forward()\n"
+    log = execute(DRIVE, source, IdealRobot(JACKAL, lambda *_: value))
+    assert log.ending.outcome == "finished" and len(log.records) == 1
+    assert log.records[0].sensors["yolo_listener('people')"] is True
+
+
+def test_a_reading_of_another_kind_aborts_the_run():
+    robot = IdealRobot(JACKAL, lambda *_: numpy.array([True, False]))
+    log = execute(DRIVE, DRIVE.plan_template, robot)
+    assert log.ending.outcome == "aborted" and "reads array" in log.ending.reason
+
+
+def test_a_log_that_cannot_be_written(tmp_path, monkeypatch):
+    robot = Failing("", None)
+    with pytest.raises(VasoError, match="the log cannot be written"):
+        execute(DRIVE, "forward()\n", robot, log=tmp_path)
+    assert not robot.stopped
+    file, write = tmp_path / "log", Writer._write
+    full = OSError(errno.ENOSPC, "No space left on device")
+
+    def fill(writer, line):
+        if len(writer.records) > 2:
+            writer._file = SimpleNamespace(
+                write=lambda _: (_ for _ in ()).throw(full), close=lambda: None
+            )
+        write(writer, line)
+
+    monkeypatch.setattr(Writer, "_write", fill)
+    log = execute(DRIVE, "while True:\n    forward()\n", robot, log=file)
+    assert log.ending.outcome == "aborted" and "No space left" in log.ending.reason
+    assert robot.stopped and robot.closed
 
 
 def test_a_stale_sensor_is_not_a_false_one():

@@ -34,11 +34,20 @@ class Readings(Reader):
         """
         if sensor not in self.valuation:
             value = self._robot.read(sensor)
-            if value not in domain:
+            known = next((v for v in domain if _is_same(value, v)), None)
+            if known is None:
                 raise RobotError(
                     f"{sensor} reads {value!r}",
                     source=self._robot.name,
                     expected=f"one of {', '.join(map(repr, domain))}",
                 )
-            self.valuation[sensor] = value
+            self.valuation[sensor] = known
         return self.valuation[sensor]
+
+
+def _is_same(value: object, known: Scalar) -> bool:
+    """Whether a reading is a value of the platform: also one of numpy, which has its own types."""
+    try:
+        return bool(value == known)
+    except (TypeError, ValueError):  # such as an array
+        return False

@@ -6,6 +6,7 @@ a :class:`Record`. A log whose last lines are missing (a lost process) can be re
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -117,6 +118,9 @@ class Writer:
     Args:
         path: The file, or None to write nothing.
         header: Its first line.
+
+    Raises:
+        VasoError: The file cannot be written.
     """
 
     def __init__(self, path: Path | None, header: Header) -> None:
@@ -125,21 +129,31 @@ class Writer:
         self.ending: Ending | None = None
         self._file: TextIO | None = None
         if path is not None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = path.open("w", encoding="utf-8")
+            try:
+                path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = path.open("w", encoding="utf-8")
+            except OSError as error:
+                raise _unwritable(error, path) from error
+        self._path = path
         self._write(header)
 
     def add(self, record: Record) -> None:
-        """Add a state."""
+        """Add a state.
+
+        Raises:
+            VasoError: The file cannot be written.
+        """
         self.records.append(record)
         self._write(record)
 
     def end(self, ending: Ending) -> RunLog:
-        """Add the end, and close the file."""
+        """Add the end, and close the file. A log that cannot be written has no end."""
         self.ending = ending
-        self._write(ending)
+        with contextlib.suppress(VasoError):
+            self._write(ending)
         if self._file is not None:
-            self._file.close()
+            with contextlib.suppress(OSError):
+                self._file.close()
             self._file = None
         return self.log
 
@@ -149,9 +163,17 @@ class Writer:
         return RunLog(header=self.header, records=tuple(self.records), ending=self.ending)
 
     def _write(self, line: BaseModel) -> None:
-        if self._file is not None:
+        if self._file is None:
+            return
+        try:
             self._file.write(line.model_dump_json(exclude_defaults=False) + "\n")
             self._file.flush()
+        except OSError as error:
+            raise _unwritable(error, self._path) from error
+
+
+def _unwritable(error: OSError, path: Path | None) -> VasoError:
+    return VasoError(f"the log cannot be written: {error.strerror}", source=str(path))
 
 
 _LINE: TypeAdapter[Header | Record | Ending] = TypeAdapter(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import vaso
-from vaso.errors import VasoError
+from vaso.errors import RobotError, VasoError
 from vaso.execution.live import LivePlan
 from vaso.execution.readings import Readings
 from vaso.execution.record import Ending, Header, Intervention, Record, RunLog, Writer
@@ -144,15 +145,21 @@ class _Run:
         return log
 
     def _end(self, ending: Ending) -> RunLog:
-        """Stop the robot, also when a second Ctrl-C comes meanwhile, and close the log."""
+        """Stop the robot, also when a second Ctrl-C comes meanwhile, and close the log.
+
+        Each step is taken whatever became of the one before it.
+        """
         reason = "" if ending.outcome == "finished" else ending.reason
-        for _ in range(2):
-            with contextlib.suppress(KeyboardInterrupt):
-                self.robot.stop(reason)
-                break
-        details = dict(self.robot.health().details)
-        self.robot.close()
-        return self.writer.end(ending.model_copy(update={"details": details}))
+        details: dict[str, Any] = {}
+        with contextlib.ExitStack() as last:
+            last.callback(lambda: self.writer.end(ending.model_copy(update={"details": details})))
+            last.callback(self.robot.close)
+            last.callback(lambda: details.update(self.robot.health().details))
+            for _ in range(2):
+                with contextlib.suppress(KeyboardInterrupt):
+                    self.robot.stop(reason)
+                    break
+        return self.writer.log
 
     def _drive(self) -> Ending:
         period, intervention, step = Period(0.0, 0.0), None, 0
@@ -178,7 +185,7 @@ class _Run:
         self, step: int, period: Period, readings: Readings, intervention: Intervention | None
     ) -> None:
         """Label the state, show it to the shield, and record it."""
-        measured = dict(self.robot.measured())
+        measured = _finite(self.robot)
         labels = self.live.labels(readings, measured)
         if self.shield is not None:
             self.shield.observe(labels, measured)
@@ -212,3 +219,24 @@ class _Run:
         if self.live.is_broken:
             return Ending(outcome="aborted", reason=problems or self.live.here.note)
         return Ending(outcome="finished", reason=problems)
+
+
+def _finite(robot: Robot) -> dict[str, float]:
+    """What the robot measures; no rule can be watched, and nothing foretold, from anything else.
+
+    Raises:
+        RobotError: Something of it is no finite number.
+    """
+    found: dict[str, float] = {}
+    for name, value in robot.measured().items():
+        try:
+            found[name] = float(value)
+        except (TypeError, ValueError, OverflowError):
+            found[name] = math.nan
+        if not math.isfinite(found[name]):
+            raise RobotError(
+                f"{name} is measured as {value!r:.40}",
+                source=robot.name,
+                expected="a finite number",
+            )
+    return found
