@@ -68,6 +68,7 @@ def test_the_time_ends_a_run(vaso, tmp_path):
     [
         (("drive", "--robot", "tank"), "no robot 'tank'"),
         (("drive", "--robot", "px4"), "for platform jackal"),
+        (("drive", "--connect", "/cmd_vel"), "--robot jackal is the real one"),
         (("drive", *IDEAL, "--plan", "/does/not/exist"), "cannot be read"),
         (("drive", *IDEAL, "--scene", "/does/not/exist", "--robot", "sim"), "/does/not/exist"),
         (("fly", *IDEAL), "fly"),

@@ -65,6 +65,25 @@ def test_state_and_events_arrive(tmp_path: Path) -> None:
     assert echo.close(PATIENCE)
 
 
+def test_a_listener_that_fails_does_not_end_the_link(tmp_path: Path) -> None:
+    """As one that writes to a terminal that was closed."""
+
+    def fail(_: object) -> None:
+        raise BrokenPipeError
+
+    echo = DriverProcess(
+        "echo_driver",
+        {"epitaph": str(tmp_path / "epitaph")},
+        name="the echo driver",
+        env={"PYTHONPATH": str(HERE)},
+        on_event=fail,
+    )
+    echo.start(PATIENCE)
+    echo.call("echo", PATIENCE, value=1)
+    assert echo.call("echo", PATIENCE, value=2)["value"] == 2
+    assert echo.close(PATIENCE)
+
+
 def test_a_refusal_is_a_robot_error(echo: DriverProcess) -> None:
     with pytest.raises(RobotError, match="no") as caught:
         echo.call("refuse", PATIENCE)

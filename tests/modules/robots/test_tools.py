@@ -9,7 +9,7 @@ import pytest
 from dspy.utils import DummyLM
 
 from vaso import get_platform
-from vaso.errors import RobotError
+from vaso.errors import RobotError, StaleReadingError
 from vaso.execution import IdealRobot, Intervention
 from vaso.modules.robots.tools import RobotTools
 
@@ -81,6 +81,27 @@ def test_the_shield_is_asked_in_every_period():
         said = tools_of(module)["velocity_publisher"](linear=0.3, seconds=1.0)
     assert said == "refused: too far (G !x)"
     assert [c == JACKAL.rest for c in robot.commands] == [False, False, True, True]
+
+
+def test_a_robot_rests_when_a_sensor_falls_silent():
+    class Silent(IdealRobot):
+        def read(self, sensor):
+            if len(self.commands) == 3:
+                raise StaleReadingError("no detection for 1.2 s")
+            return super().read(sensor)
+
+    class Shield:
+        def observe(self, labels, measured):
+            pass
+
+        def judge(self, command, api):
+            return SimpleNamespace(command=command, intervention=None)
+
+    robot = Silent(JACKAL)
+    with RobotTools(robot, shield=Shield()) as module:
+        tool = next(t for t in module.tools if t.name == "velocity_publisher")
+        assert "no detection" in tool(linear=0.3, angular=0.0, seconds=1.0)
+    assert robot.commands[-1] == JACKAL.rest and len(robot.commands) == 4
 
 
 def test_a_robot_that_refuses_to_start_is_stopped_and_closed():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import socket
 import subprocess
@@ -196,7 +197,8 @@ class DriverProcess:
     def _take(self, message: Message) -> None:
         kind = message.pop("kind")
         if kind == "event" and self._on_event is not None:
-            self._on_event(message)
+            with contextlib.suppress(Exception):  # as a closed terminal: the beat must go on
+                self._on_event(message)
         with self._news:
             if kind == "answer":
                 self._answers[message["id"]] = message

@@ -17,6 +17,7 @@ KINDS = {
     "jackal": "a Clearpath Jackal over ROS 2",
     "px4": "a PX4 multicopter over MAVLink",
 }
+REAL = ("jackal", "px4")
 
 
 def get_robot(
@@ -47,7 +48,12 @@ def get_robot(
     robot = get_platform(platform)
     if kind not in KINDS:
         raise RobotError(f"there is no robot '{kind}'", expected=f"one of {', '.join(KINDS)}")
-    if kind in ("jackal", "px4"):
+    if kind not in REAL and connect is not None:
+        raise RobotError(
+            f"a simulated robot is not connected to {connect}",
+            hint=f"--robot {robot.name} is the real one" if robot.name in REAL else None,
+        )
+    if kind in REAL:
         if robot.name != kind:
             raise RobotError(
                 f"the skill is for platform {robot.name}, and the robot is a {kind}",

@@ -118,7 +118,17 @@ class RobotTools(dspy.Module):  # type: ignore[misc]
                     break
             return replaced or f"done; at its end {self._numbers()}"
         finally:
-            self._period(self.robot.platform.rest)
+            self._rest()
+
+    def _rest(self) -> None:
+        """A period at rest, also where a sensor is silent that the shield needs."""
+        rest = self.robot.platform.rest
+        try:
+            self._period(rest)
+        except BaseException:
+            self.robot.act(rest)
+            self._last = rest
+            raise
 
     def _period(self, command: Issued) -> str:
         """One control period; why another command was in force, or nothing."""
