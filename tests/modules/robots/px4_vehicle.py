@@ -82,6 +82,7 @@ class Vehicle:
         self.due: dict[str, float] = {}
         self.muted: set[str] = set()
         self.cut = False
+        self.stuck: int | None = None  # what its clock says from then on
         self.texts = 0
 
     # the world
@@ -122,6 +123,8 @@ class Vehicle:
             self.say("fault", fault=fault)
             self.muted |= set(fault.get("mute", []))
             self.cut = fault.get("cut", self.cut)
+            if "stick" in fault:
+                self.stuck = int(self.time * 1000)
             if "mode" in fault:
                 self.intended = self.mode = (fault["mode"][0], fault["mode"][1])
                 self.say("mode", mode=self.mode)
@@ -297,7 +300,8 @@ class Vehicle:
             noise = [self.random.gauss(0, self.config.noise) for _ in range(6)]
             place = [a + b for a, b in zip(self.seen(), noise, strict=False)]
             moves = [a + b for a, b in zip(self.velocity, noise[3:], strict=True)]
-            self.link.mav.local_position_ned_send(int(self.time * 1000), *place, *moves)
+            clock = int(self.time * 1000) if self.stuck is None else self.stuck
+            self.link.mav.local_position_ned_send(clock, *place, *moves)
         if self.is_due("EXTENDED_SYS_STATE", self.rates["EXTENDED_SYS_STATE"]):
             state = M.MAV_LANDED_STATE_ON_GROUND if self.landed else M.MAV_LANDED_STATE_IN_AIR
             self.link.mav.extended_sys_state_send(0, state)

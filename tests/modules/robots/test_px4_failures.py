@@ -165,6 +165,14 @@ def test_the_vehicle_stops_telling(flying: Flying, silent: str, limit: float, wh
 
 
 @slow
+def test_the_vehicles_clock_stands(flying: Flying) -> None:
+    """Time is the vehicle's own: without it a command would be in force for ever."""
+    now = flying.vehicle.fault(stick=True)
+    lands(flying.vehicle, now)
+    assert "ended: no position from the vehicle" in flying.said()
+
+
+@slow
 def test_the_vehicles_own_failsafe(flying: Flying) -> None:
     """A mode change that nobody here has asked for ends the stream, whoever made it."""
     now = flying.vehicle.fault(mode=[4, 5])

@@ -169,7 +169,7 @@ def main() -> None:
         raise SystemExit(f"the flight log cannot be written: {error}") from error
     try:
         vehicle = Vehicle(settings.url, log, settings.system)
-    except (OSError, ValueError, ImportError) as error:
+    except (OSError, ValueError, OverflowError, ImportError) as error:
         raise SystemExit(f"{settings.url} cannot be opened: {error}{_remedy(error)}") from error
     driver = Driver(channel, Flight(vehicle, settings, log), vehicle, settings)
     signal.signal(signal.SIGINT, driver.interrupt)

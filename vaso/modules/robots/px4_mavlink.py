@@ -181,7 +181,9 @@ class Vehicle:
             (message.vx, message.vy, message.vz),
             time.monotonic(),
         )
-        if self.motion is not None and now.time < self.motion.time - 1.0:
+        if self.motion is not None and now.time <= self.motion.time:
+            if now.time >= self.motion.time - 1.0:
+                return  # late or twice, or its clock stands: nothing is known by it
             self.restarted = True
         self.motion = now
 
