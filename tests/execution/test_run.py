@@ -86,6 +86,15 @@ def test_the_log_on_disk_is_the_log(tmp_path):
     assert read_log(file).ending is None and len(read_log(file).records) == len(log.records)
 
 
+def test_a_last_line_of_brackets_is_left_out(tmp_path):
+    """Nested deeper than Python reads: it counts as cut off."""
+    file = tmp_path / "log"
+    log = execute(DRIVE, "forward()\n", IdealRobot(JACKAL), log=file)
+    with file.open("a") as end:
+        end.write("[" * 100_000)
+    assert read_log(file).records == log.records
+
+
 class Failing(IdealRobot):
     """An ideal robot that fails in one method, once it has moved a little."""
 

@@ -229,6 +229,6 @@ def _lines(path: Path) -> Iterator[Header | Record | Ending]:
 def _is_json(text: str) -> bool:
     try:
         json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return False
     return True
