@@ -16,11 +16,14 @@ from collections import defaultdict
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from vaso.ltl import Formula
+from vaso.ltl import Atom, Formula
 from vaso.plan.atoms import AtomTables, Truth, atoms_of, names_of
 from vaso.plan.transition_system import Edge, State, TransitionSystem
 
 __all__ = ["reduce"]
+
+_REDUCED = "_reduced"
+"""Where a system keeps what it was reduced to; many questions are about the same atoms."""
 
 
 def reduce(
@@ -39,11 +42,22 @@ def reduce(
     Raises:
         FormulaError: A formula mentions a proposition that the system does not label.
     """
-    tables = tables or AtomTables(system)
-    rows = zip(*(tables[atom] for atom in atoms_of(formulas)), strict=True)
+    atoms = atoms_of(formulas)
+    names = frozenset(n for f in formulas for n in names_of(f))
+    known = system.__dict__.setdefault(_REDUCED, {})
+    key = (frozenset(atoms), names)
+    if key not in known:
+        known[key] = _reduced(system, atoms, names, tables or AtomTables(system))
+    found: TransitionSystem = known[key]
+    return found
+
+
+def _reduced(
+    system: TransitionSystem, atoms: Iterable[Atom], names: frozenset[str], tables: AtomTables
+) -> TransitionSystem:
+    rows = zip(*(tables[atom] for atom in atoms), strict=True)
     blocks = _refine(system, [_key(row) for row in rows] or None)
     kept = {block: number for number, block in reversed(list(enumerate(blocks)))}
-    names = frozenset(n for f in formulas for n in names_of(f))
     return _quotient(system, blocks, kept, names)
 
 
