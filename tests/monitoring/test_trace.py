@@ -69,6 +69,20 @@ def test_a_violation_of_a_run_is_a_counterexample_and_a_gradient(run_log):
     ]
 
 
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "state 3: velocity_publisher is called without 'linear'"),
+        ({"linear": [1.0], "angular": 0.0}, "state 3: velocity_publisher: linear must be a number"),
+    ],
+)
+def test_a_command_that_does_not_take_its_arguments_is_an_error(run_log, arguments, message):
+    lines = [json.loads(line) for line in run_log.read_text().splitlines()]
+    lines[4]["arguments"] = arguments
+    with pytest.raises(VasoError, match=message):
+        check_log(write(run_log, lines), DRIVE)
+
+
 def test_what_has_not_come_about_is_open(tmp_path):
     execute(DRIVE, "stop()", IdealRobot(get_platform("jackal")), log=tmp_path / "run.jsonl")
     report = check_log(tmp_path / "run.jsonl", DRIVE)
