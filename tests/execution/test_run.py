@@ -236,6 +236,7 @@ def test_a_bad_command_in_mid_run_stops_the_robot():
 def test_an_uncaught_exception_ends_the_plan_and_says_so():
     log = execute(DRIVE, "forward()\nx = 1 / 0\nforward()\n", IdealRobot(JACKAL))
     assert log.ending.outcome == "finished" and "ZeroDivisionError" in log.ending.reason
+    assert "stays in force" not in log.ending.reason  # the robot is stopped
     assert len(log.records) == 2
 
 

@@ -20,6 +20,9 @@ from vaso.skill import Skill
 
 __all__ = ["LivePlan"]
 
+IN_THE_MODEL = "; the last command stays in force"
+"""What a warning of the model says of a plan that ends; a robot is stopped then."""
+
 
 class LivePlan:
     """Takes a plan from state to state with real readings. Use as a context manager.
@@ -80,7 +83,8 @@ class LivePlan:
     @property
     def problems(self) -> list[str]:
         """What went wrong inside the plan: uncaught exceptions, limits, unsupported constructs."""
-        return [*self._stepper.warnings, *(reason for reason, *_ in self._stepper.cut_reasons)]
+        warnings = (w.removesuffix(IN_THE_MODEL) for w in self._stepper.warnings)
+        return [*warnings, *(reason for reason, *_ in self._stepper.cut_reasons)]
 
     def next(self, readings: Readings) -> Config | None:
         """Run the plan to its next command; None where it ends instead.
