@@ -7,6 +7,7 @@ import math
 from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache, lru_cache
 from typing import Any, TypeAlias
 
 from vaso.plan.abstraction.fields import FIRST
@@ -52,7 +53,9 @@ class View:
 
     def at(self, now: float) -> tuple[Hashable, ...]:
         """The identity at a time: equal identities behave alike from then on."""
-        clock = Fraction(now) + WALL
+        if not self.forms:
+            return (self.base,)
+        clock = _wall(now)
         return (self.base, *(_seen(form, clock) for form in self.forms))
 
 
@@ -60,13 +63,24 @@ def _seen(form: _Valued, clock: Fraction) -> Hashable:
     value, rate, low, high, numbers = form
     if rate:
         value += rate * clock
-    if value > high + _margin(high):
+    if value > high:
         return "above"
-    return "below" if value < low - _margin(low) else numbers or value
+    return "below" if value < low else numbers or value
+
+
+@lru_cache(maxsize=1_000)
+def _wall(now: float) -> Fraction:
+    return Fraction(now) + WALL
+
+
+@cache
+def _widened(interval: Interval) -> Interval:
+    """Values near to a bound are kept, since a program may compute them on the other side."""
+    low, high = interval
+    return low - _margin(low), high + _margin(high)
 
 
 def _margin(bound: Bound) -> Fraction:
-    """Values this near to a bound are kept, since a program may compute them on the other side."""
     return Fraction(0) if isinstance(bound, float) else MARGIN * max(Fraction(1), abs(bound))
 
 
@@ -82,6 +96,7 @@ class Quotient:
         self.relevance = relevance
         self._file = file
         self._layout: Layout | None = None
+        self._rounding: dict[Form, bool] = {}
 
     def check_clock(self, file: str, call: tuple[int, int]) -> None:
         """Check that a call that asks for the time is known to do so.
@@ -129,8 +144,12 @@ class Quotient:
         Sums of decimals round in one place and not in another. Times lie beside all decimals, so
         rounding does not matter to what is compared with them.
         """
-        held = {var for var, _ in form}
-        return self.relevance.timed.isdisjoint(held) and not held <= self.relevance.whole
+        known = self._rounding.get(form)
+        if known is None:
+            held = {var for var, _ in form}
+            whole = held <= self.relevance.whole
+            known = self._rounding[form] = self.relevance.timed.isdisjoint(held) and not whole
+        return known
 
 
 def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterator[_Valued]:
@@ -154,7 +173,7 @@ def _valued(form: Form, interval: Interval, cells: Mapping[Var, Any]) -> Iterato
         else:
             # Its value is part of the base, so the rest of the form is looked at by itself.
             interval = EXACT
-    yield value, rate, *interval, tuple(numbers) if len(numbers) > 1 else ()
+    yield value, rate, *_widened(interval), tuple(numbers) if len(numbers) > 1 else ()
 
 
 def _no_number(cell: Any) -> bool:
