@@ -83,3 +83,9 @@ def test_what_is_wrong_is_told_with_line_and_field(text, said):
     with pytest.raises(SceneError) as error:
         load_scene(text)
     assert str(error.value).startswith(said)
+
+
+@pytest.mark.parametrize("path", ["/dev/zero", "/"])
+def test_what_is_no_file_is_refused(path):
+    with pytest.raises(SceneError, match="no regular file"):
+        load_scene(path)

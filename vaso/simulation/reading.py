@@ -41,6 +41,8 @@ def load_scene(source: str | Path) -> Scene | AirScene:
     if isinstance(source, str) and ("\n" in source or source.lstrip().startswith("{")):
         return _scene(source, "scene")
     path = Path(source)
+    if path.exists() and not path.is_file():
+        raise SceneError("the scene cannot be read: it is no regular file", source=str(path))
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError, ValueError) as error:
