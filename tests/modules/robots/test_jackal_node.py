@@ -101,6 +101,7 @@ class Watcher:
 
     def __init__(self):
         self.told, self.problem = [], ""
+        self.state = {"listeners": 1}
 
     def send(self, kind):
         self.told.append(kind)
@@ -302,3 +303,34 @@ def test_the_guard_stops_a_base_whose_driver_died(guard):
     watching.run()
     assert len(watching.publisher.told) > 3
     assert set(watching.publisher.told) == {(0.0, 0.0)}
+
+
+def test_a_base_that_the_guard_does_not_reach_is_not_there_yet(rig):
+    assert rig.driver.state(time.monotonic())["listeners"] == 1
+    rig.guard.state = {}
+    assert rig.driver.state(time.monotonic())["listeners"] == 0
+
+
+class LateBase(Base):
+    """A base that is found a little later."""
+
+    def __init__(self):
+        self.found = time.monotonic() + 1.3
+        super().__init__()
+
+    @property
+    def listeners(self):
+        return int(time.monotonic() > self.found)
+
+    @listeners.setter
+    def listeners(self, value):
+        pass
+
+
+def test_the_guard_goes_on_until_somebody_has_listened():
+    ours, theirs = socket.socketpair()
+    driver, watching = Channel(ours), Guard(Channel(theirs), LateBase())
+    watching.handle({"kind": "tick"})
+    driver.close()
+    watching.run()
+    assert time.monotonic() - watching.publisher.found > 0.9

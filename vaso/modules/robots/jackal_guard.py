@@ -18,11 +18,14 @@ __all__ = ["Guard", "main"]
 SILENCE_S = 0.4
 TICK_S = 0.05
 LAST_S = 1.0  # how long zero is published after the driver's death
+SEEK_S = 10.0  # how long a base is looked for then that does not know the guard yet
 
 
 class Publisher(Protocol):
     """What the guard needs of ROS: the ``VelocityPublisher`` of :mod:`.jackal_topics`."""
 
+    @property
+    def listeners(self) -> int: ...
     def publish(self, linear: float, angular: float) -> None: ...
 
 
@@ -49,10 +52,17 @@ class Guard:
                     self.handle(message)
                 self.watch(time.monotonic())
         except LinkClosed:
-            end = time.monotonic() + LAST_S
-            while self.armed and time.monotonic() < end:
-                self.publisher.publish(0.0, 0.0)
-                time.sleep(TICK_S)
+            self.last()
+
+    def last(self) -> None:
+        """Publish zero for a while, counted from when somebody listens."""
+        now = time.monotonic()
+        limit, end = now + SEEK_S, now + LAST_S
+        while self.armed and (now := time.monotonic()) < end:
+            if not self.publisher.listeners:
+                end = min(now + LAST_S, limit)
+            self.publisher.publish(0.0, 0.0)
+            time.sleep(TICK_S)
 
     def handle(self, message: Message) -> None:
         """Take in a message of the driver."""
@@ -61,7 +71,7 @@ class Guard:
 
     def watch(self, now: float) -> None:
         """Publish zero if the driver should have spoken."""
-        self.channel.send("state")
+        self.channel.send("state", listeners=self.publisher.listeners)
         if self.armed and now - self.heard > SILENCE_S:
             self.publisher.publish(0.0, 0.0)
 

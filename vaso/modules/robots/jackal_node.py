@@ -49,6 +49,8 @@ class Base(Protocol):
 class Guardian(Protocol):
     """The link to the guard: :class:`~vaso.modules.robots.driver_process.DriverProcess`."""
 
+    @property
+    def state(self) -> Message: ...
     def send(self, kind: str) -> None: ...
     def check(self) -> None: ...
 
@@ -149,7 +151,8 @@ class JackalDriver:
             "reason": self.watchdog.reason,
             "stale": self._stale,
             "velocity": [linear, angular],
-            "listeners": self._base.listeners,
+            # A base that the guard does not reach yet could not be stopped by it.
+            "listeners": min(self._base.listeners, int(self._guard.state.get("listeners", 0))),
             "rivals": self._base.rivals,
             "detectors": ages,
             "emergency": self._base.emergency,
