@@ -24,7 +24,6 @@ from vaso.cli.common import (
 
 if TYPE_CHECKING:
     from vaso.modules.symbolic import Filling
-    from vaso.plan.model import Plan
     from vaso.skill import Skill
 
 
@@ -110,17 +109,6 @@ def read_places(texts: Sequence[str]) -> dict[str, float]:
         if not name.strip() or not 0 <= distance < math.inf:
             raise VasoError(f"'{text}' is no place", expected="a name and metres: doorway=4")
     return places
-
-
-def make_plan(skill: Skill, task: str, lm: str | None) -> Plan:
-    """A plan, by a language model if one is named; says what of the task could not be used.
-
-    Raises:
-        ModelError: The model cannot be reached.
-    """
-    filling = make_filling(skill, task, lm)
-    say_what_is_missing(filling)
-    return filling.plan
 
 
 def make_filling(

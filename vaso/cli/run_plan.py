@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -23,7 +22,7 @@ from vaso.cli.common import (
     get_skill,
     leave,
 )
-from vaso.errors import PlanError, VasoError
+from vaso.errors import PlanError
 
 if TYPE_CHECKING:
     from vaso.execution import Robot, RunLog
@@ -86,8 +85,10 @@ def run(
     from vaso.execution import execute
     from vaso.modules.robots.opening import get_robot
 
-    for path, kinds in ((picture, PICTURES), (animation, ANIMATIONS)):
-        _check_suffix(path, kinds)
+    if picture or animation:
+        from vaso.simulation.drawing import check_names
+
+        check_names(picture, animation)
     chosen = get_skill(skill, version, name, platform)
     wanted = _plan(chosen, plan, task, lm, is_real=robot in ("jackal", "px4"))
     machine = get_robot(robot, platform or chosen.platform, connect=connect, scene=scene, seed=seed)
@@ -118,19 +119,6 @@ def run(
 
 SIMULATED_SECONDS = 120.0
 """How long a run in a simulator may be, on its clock."""
-
-PICTURES = (".png", ".svg", ".pdf")
-ANIMATIONS = (".gif", ".html")
-
-
-def _check_suffix(path: Path | None, kinds: Sequence[str]) -> None:
-    """Refuse a kind of file that cannot be drawn, before anything moves.
-
-    Raises:
-        VasoError: It is another kind.
-    """
-    if path is not None and path.suffix.lower() not in kinds:
-        raise VasoError(f"cannot draw into '{path}'", expected=f"a file {' or '.join(kinds)}")
 
 
 def _plan(

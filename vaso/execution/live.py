@@ -14,7 +14,7 @@ from vaso.plan.labels import Labeller
 from vaso.plan.machine import Throw
 from vaso.plan.model import Plan
 from vaso.plan.stepping import Stepper
-from vaso.plan.transition_system import Label, Scalar
+from vaso.plan.transition_system import Label, Scalar, covers
 from vaso.platforms import Issued, Platform
 from vaso.skill import Skill
 
@@ -147,11 +147,8 @@ class LivePlan:
             sensors = {s for case in observed[name] for s in case.guard}
             for sensor in sorted(sensors):
                 readings.ask(sensor, self._domain(sensor))
-            found[name] = next(
-                c.value
-                for c in observed[name]
-                if all(readings.valuation[s] == v for s, v in c.guard.items())
-            )
+            cases = observed[name]
+            found[name] = next(c.value for c in cases if covers(c.guard, readings.valuation))
         for spec in self.platform.propositions:
             if spec.kind == "numeric" and spec.name in measured:
                 found[spec.name] = measured[spec.name]

@@ -18,9 +18,22 @@ from vaso.simulation.logged import truth_of
 from vaso.simulation.truth import FlightTruth, GroundTruth
 from vaso.skill import Skill
 
-__all__ = ["draw", "limits_of", "picture", "save_animation", "save_picture"]
+__all__ = ["check_names", "draw", "limits_of", "picture", "save_animation", "save_picture"]
 
 _PICTURES = (".png", ".svg", ".pdf")
+_ANIMATIONS = (".gif", ".html")
+
+
+def check_names(picture: str | Path | None, animation: str | Path | None) -> None:
+    """Check what files are called, before a run that is to be drawn into them.
+
+    Raises:
+        VasoError: A name ends in something that cannot be drawn.
+    """
+    if picture is not None:
+        _checked(picture, _PICTURES)
+    if animation is not None:
+        _checked(animation, _ANIMATIONS)
 
 
 def draw(
@@ -135,7 +148,7 @@ def save_animation(
         VasoError: The file's name ends in something else, or it cannot be written.
         MissingDependencyError: matplotlib is not installed, and a GIF was asked for.
     """
-    path = _checked(path, (".gif", ".html"))
+    path = _checked(path, _ANIMATIONS)
     if path.suffix.lower() == ".html":
         from vaso.simulation.page import page
 

@@ -115,8 +115,7 @@ class JackalSim:
         Raises:
             RobotError: It is another command, not finite, or the robot has not been started.
         """
-        if not self._ready:
-            raise RobotError("the simulator has not been started, or has been stopped")
+        self._require_ready()
         try:
             linear, angular = command["linear"], command["angular"]
         except KeyError:
@@ -135,8 +134,7 @@ class JackalSim:
         Raises:
             RobotError: The robot has not been started.
         """
-        if not self._ready:
-            raise RobotError("the simulator has not been started, or has been stopped")
+        self._require_ready()
         self._pass()
         return Period(time=self._moments[-1].time, seconds=self.platform.dt)
 
@@ -193,6 +191,10 @@ class JackalSim:
                 f"the robot would start {gap:.2f} m from the middle of its place to a {name}",
                 expected=f"at least {RADIUS} m, half the size of the robot",
             )
+
+    def _require_ready(self) -> None:
+        if not self._ready:
+            raise RobotError("the simulator has not been started, or has been stopped")
 
     def _reset(self) -> None:
         start = self.scene.robot
