@@ -77,5 +77,5 @@ class IdealRobot:
         """Nothing to let go of."""
 
     def _first(self, sensor: str, state: int) -> Scalar:
-        spec = self.platform.sensor(sensor.split("(", 1)[0])
+        spec = self.platform.sensor_of(sensor)
         return spec.domain[0] if spec else False

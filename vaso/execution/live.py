@@ -155,7 +155,7 @@ class LivePlan:
         return found
 
     def _domain(self, sensor: str) -> tuple[Scalar, ...]:
-        spec = self.platform.sensor(sensor.split("(", 1)[0])
+        spec = self.platform.sensor_of(sensor)
         if spec is None:
             raise PlanError(f"platform {self.platform.name} has no sensor {sensor}")
         return spec.domain

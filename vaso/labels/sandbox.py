@@ -172,7 +172,7 @@ class Sandbox:
     def _note_keys(self, read: Senses) -> None:
         for key in read:
             if key not in self.keys:
-                sensor = self.platform.sensor(key.partition("(")[0])
+                sensor = self.platform.sensor_of(key)
                 self.keys[key] = sensor.domain if sensor else (False, True)
 
 

@@ -137,7 +137,7 @@ def _sensor_keys(sandbox: Sandbox) -> dict[str, tuple[Scalar, ...]]:
         list(sandbox.run([trial]))
     found = dict(sandbox.keys)
     for spec in sandbox.platform.propositions:
-        sensor = sandbox.platform.sensor((spec.sensor or "").partition("(")[0])
+        sensor = sandbox.platform.sensor_of(spec.sensor or "")
         if spec.sensor and sensor:
             found[spec.sensor] = sensor.domain
     return dict(sorted(found.items()))

@@ -43,7 +43,7 @@ def is_true(label: object, reading: Scalar) -> bool:
 
 def sensor_domain(spec: PropositionSpec, platform: Platform) -> tuple[Scalar, ...]:
     """The values of the sensor that decides an observation; empty where it has none."""
-    known = platform.sensor((spec.sensor or "").partition("(")[0])
+    known = platform.sensor_of(spec.sensor or "")
     return known.domain if known else ()
 
 

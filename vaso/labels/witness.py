@@ -40,7 +40,7 @@ def _senses(difference: Difference, platform: Platform) -> str:
     spec = platform.proposition(name)
     shown = dict(moment.reads.get(name, {}))
     if spec is not None and spec.sensor:
-        known = platform.sensor(spec.sensor.partition("(")[0])
+        known = platform.sensor_of(spec.sensor)
         if known is not None:
             first = {spec.sensor: moment.senses.get(spec.sensor, known.domain[0])}
             shown = {**first, **shown}

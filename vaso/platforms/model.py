@@ -243,6 +243,10 @@ class Platform(BaseModel):
         """The low-level sensor with this name, if there is one."""
         return next((s for s in self.sensors if s.name == name), None)
 
+    def sensor_of(self, reading: str) -> SensorSpec | None:
+        """The sensor of a raw reading, such as ``yolo_listener('people')``."""
+        return self.sensor(reading.partition("(")[0])
+
     def proposition(self, name: str) -> PropositionSpec | None:
         """The standard proposition with this name, if there is one."""
         return next((p for p in self.propositions if p.name == name), None)

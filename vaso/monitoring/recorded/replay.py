@@ -52,7 +52,7 @@ def would_repeat(
 
 
 def _first(platform: Platform, sensor: str) -> Scalar:
-    spec = platform.sensor(sensor.partition("(")[0])
+    spec = platform.sensor_of(sensor)
     return spec.domain[0] if spec else False
 
 
