@@ -59,6 +59,8 @@ class Instants:
 
     def violations(self, comparison: Comparison) -> Iterator[tuple[float, Mapping[str, Interval]]]:
         """Instants at which a comparison is surely false, with the numbers there."""
+        if compared(comparison, self.values(0.0, self.node.duration)) is True:
+            return
         for time in self._times():
             if math.isfinite(time) and (time > 0.0 or self.node.duration == 0.0):
                 values = self.values(time, time)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
-from vaso.dynamics.interval import ZERO, Interval, hull, inside, widened
+from vaso.dynamics.interval import EVERYTHING, ZERO, Interval, hull, inside, widened
 from vaso.dynamics.motion import Constants, Motion, Path
 from vaso.platforms.response import Greatest, Position, Response, Speed, Velocity
 
@@ -97,6 +97,8 @@ class Period:
         )
         self.places = response.positions
         self.order = {name: i for i, name in enumerate(self.places)}
+        self._known: dict[tuple[float, float], dict[str, Interval]] = {}
+        self._ends: dict[float, Box] = {}
 
     # --- the ground ----------------------------------------------------------------------------
 
@@ -138,13 +140,19 @@ class Period:
 
     # --- bounds --------------------------------------------------------------------------------
 
-    def values(self, begin: float, end: float) -> dict[str, Interval]:
+    def values(self, begin: float, end: float) -> Mapping[str, Interval]:
         """Bounds on every quantity of the response, except those of set-points alone.
 
         Args:
             begin: Seconds since the beginning of the period.
             end: Seconds, not before ``begin``; may be infinite.
         """
+        known = self._known.get((begin, end))
+        if known is None:
+            known = self._known[begin, end] = self._values(begin, end)
+        return known
+
+    def _values(self, begin: float, end: float) -> dict[str, Interval]:
         touched = not self.stands and self._may_touch(end)
         motions = self.touching if touched else self.free
         found: dict[str, Interval] = {}
@@ -163,6 +171,12 @@ class Period:
 
     def end(self, duration: float) -> Box:
         """What is known after some seconds, with room for rounding errors."""
+        known = self._ends.get(duration)
+        if known is None:
+            known = self._ends[duration] = self._end(duration)
+        return known
+
+    def _end(self, duration: float) -> Box:
         instant = (duration, duration)
         touched = not self.stands and self._may_touch(duration)
         motions = self.touching if touched else self.free
@@ -264,12 +278,12 @@ class Period:
         self, speed: Speed, motions: Sequence[Motion], begin: float, end: float, touched: bool
     ) -> Interval:
         used = [motions[self.index[c]] for c in speed.channels]
-        grounded = speed.unless_on is not None and self._at_floor(begin, end, motions)
-        if self.stands or grounded:
+        height = self._height(begin, end, motions) if speed.unless_on is not None else EVERYTHING
+        if self.stands or height[1] <= 0.0:
             return ZERO
         parts = [v for m in used for v in m.velocities(begin, end)]
         low = 0.0 if touched else math.hypot(*(max(0.0, a, -b) for a, b in parts))
-        if speed.unless_on is not None and self._may_be_at_floor(begin, end, motions):
+        if speed.unless_on is not None and height[0] <= 0.0:
             low = 0.0
         return low, math.hypot(*(m.magnitude(begin, end) for m in used))
 
@@ -278,12 +292,6 @@ class Period:
         floor = self.places[self.response.ground].floor or 0.0
         low, high = self._position(self.response.ground, motions, begin, end)
         return low - floor, high - floor
-
-    def _at_floor(self, begin: float, end: float, motions: Sequence[Motion]) -> bool:
-        return self._height(begin, end, motions)[1] <= 0.0
-
-    def _may_be_at_floor(self, begin: float, end: float, motions: Sequence[Motion]) -> bool:
-        return self._height(begin, end, motions)[0] <= 0.0
 
 
 def _raised(interval: Interval, floor: float | None) -> Interval:

@@ -118,8 +118,9 @@ class _Work:
     ) -> None:
         self.system, self.response, self.constants = system, response, constants
         self.setpoints, self.copies = setpoints, copies
+        self.periods: dict[tuple[Box, SetPoints], Period] = {}
         rest = at_rest(response, setpoints[0])
-        self.nodes = [Node(0, rest, Period(response, constants, rest, setpoints[0]), 0.0)]
+        self.nodes = [Node(0, rest, self._period(rest, setpoints[0]), 0.0)]
         self.of_state: dict[int, list[int]] = {}
         self.queue: deque[int] = deque([0])
         self.reach = _reach(setpoints)
@@ -150,9 +151,17 @@ class _Work:
         return known[-1]
 
     def _node(self, state: int, box: Box) -> Node:
-        period = Period(self.response, self.constants, box, self.setpoints[state])
+        period = self._period(box, self.setpoints[state])
         lasting = all(e.target == state for e in self.system.edges[state])
         return Node(state, box, period, math.inf if lasting else self.system.dt)
+
+    def _period(self, box: Box, setpoints: SetPoints) -> Period:
+        """The numbers inside a period; nodes that begin alike under one command share them."""
+        known = self.periods.get((box, setpoints))
+        if known is None:
+            known = Period(self.response, self.constants, box, setpoints)
+            self.periods[box, setpoints] = known
+        return known
 
     def _grow(self, node: Node, box: Box, before: int) -> None:
         """Join a box into a node; velocities tend to the set-point of the state before."""

@@ -15,8 +15,10 @@ from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from vaso.errors import VasoError
 from vaso.ltl import Formula, propositions, variables
 from vaso.plan.abstraction import NotAnalysableError, Relevance, analyse
+from vaso.plan.affinity import OneCore
 from vaso.plan.config import ClockReadError, Config, Origin, Reader, Turn
 from vaso.plan.kept import borrow, give_back
 from vaso.plan.labels import Labeller
@@ -79,10 +81,10 @@ def compile_plan(
     robot = get_platform(platform or skill.platform)
     rules = [r.formula for r in (*skill.rules, *skill.assumptions)]
     needed = {n for f in (*rules, *formulas) for n in (*propositions(f), *variables(f))}
-    with Session(plan, skill, robot, needed) as session:
+    with Session(plan, skill, robot, needed) as session, OneCore() as core:
         while True:
             try:
-                return _Exploration(session, budget or Budget(), on_states).run()
+                return _Exploration(session, budget or Budget(), core, on_states).run()
             except ClockReadError:
                 session.clock = session.labelling.uses_clock = True
             except NotAnalysableError:
@@ -164,10 +166,15 @@ class _Exploration:
     """Breadth-first search over configurations."""
 
     def __init__(
-        self, session: Session, budget: Budget, on_states: Callable[[int], None] | None = None
+        self,
+        session: Session,
+        budget: Budget,
+        core: OneCore,
+        on_states: Callable[[int], None] | None = None,
     ) -> None:
         self.session = session
         self.budget = budget
+        self.core = core
         self.on_states = on_states
         self.labeller = Labeller(
             session.labelling,
@@ -194,6 +201,7 @@ class _Exploration:
         self.states: list[State] = []
         self.edges: list[tuple[Edge, ...]] = []
         self.queue: deque[int] = deque()
+        self.ahead: dict[int, tuple[Reader, Config]] = {}
         self.bound = ""
         self.deadline = time.monotonic() + budget.seconds
 
@@ -215,9 +223,11 @@ class _Exploration:
     def _tell(self, turn: int, states: int) -> None:
         """Say now and then how many states there are."""
         if self.on_states is not None and turn % REPORTED == 0:
-            self.on_states(states)
+            with self.core.left():
+                self.on_states(states)
 
     def _spent(self) -> bool:
+        self.core.check()
         if len(self.states) > self.budget.states:
             self.bound = f"the bound of {self.budget.states} states was reached"
         elif time.monotonic() > self.deadline:
@@ -237,8 +247,21 @@ class _Exploration:
                 self.edges[number] = (Edge({}, number),)
             else:
                 self.queue.append(number)
-                self.stepper.look_ahead(config)
+                self._look_ahead(number, config)
         return number
+
+    def _look_ahead(self, number: int, config: Config) -> None:
+        """Take a state's first step while the plan's process stands there; saves a reload."""
+        if config.turn is not Turn.REPLY or config.waits:
+            return
+        known = len(self.stepper.cut_reasons)
+        try:
+            first = self._step(config, {})
+        except VasoError:
+            return  # met again, and told, when it is this state's turn
+        if len(self.stepper.cut_reasons) == known:
+            self.ahead[number] = first
+        del self.stepper.cut_reasons[known:]
 
     def _state(self, config: Config) -> State:
         if config.turn is Turn.TRAJECTORY and config.track and config.track[1] == 1:
@@ -269,9 +292,11 @@ class _Exploration:
         edges: list[Edge] = []
         todo: list[dict[str, Scalar]] = [{}]
         config, depth = self.configs[number], self.depths[number] + 1
+        first = self.ahead.pop(number, None)
         while todo:
-            reader = Reader(todo.pop())
-            after = self._level(config, self.stepper.step(config, reader))
+            valuation = todo.pop()
+            reader, after = first or self._step(config, valuation)
+            first, after = None, self._level(config, after)
             todo += reader.alternatives
             for name, domain in reader.domains.items():
                 self.sensors.setdefault(name, Sensor(name, tuple(domain)))
@@ -285,6 +310,11 @@ class _Exploration:
             if todo and self._spent():
                 return None
         return tuple(edges)
+
+    def _step(self, config: Config, valuation: dict[str, Scalar]) -> tuple[Reader, Config]:
+        """One step under a partial valuation of the sensors, and what it has read."""
+        reader = Reader(valuation)
+        return reader, self.stepper.step(config, reader)
 
     def _level(self, before: Config, after: Config) -> Config:
         """Forget repetitions of a set-point that no longer change anything, so that loops close.

@@ -8,10 +8,7 @@ resumable any number of times. So exploring both answers of a sensor is calling
 
 from __future__ import annotations
 
-import atexit
 import builtins
-import os
-import threading
 from collections.abc import Hashable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -19,7 +16,6 @@ from typing import Any, TypeAlias
 
 from pydantic_monty import (
     FunctionSnapshot,
-    Monty,
     MontyComplete,
     MontyCrashedError,
     MontyError,
@@ -28,6 +24,8 @@ from pydantic_monty import (
 )
 
 from vaso.plan.abstraction import Quotient, Relevance, View
+from vaso.plan.affinity import adopt
+from vaso.plan.pool import pool
 from vaso.plan.snapshot import KeyMaker
 
 TURN_SECONDS = 2.0
@@ -156,6 +154,7 @@ class Machine:
         file = f"<python-input-{len(self._texts) - 1}>"
         self._key = KeyMaker(Quotient(relevance, file) if relevance else None)
         self._memo: dict[tuple[bytes, Hashable], Continuation] = {}
+        self._lines: dict[tuple[str, int], tuple[int, int]] = {}
         self._stack = ExitStack()
         self._live: tuple[bytes, Any] | None = None
         self._session: MontySession | None = None
@@ -241,11 +240,14 @@ class Machine:
         return Raised("NotImplementedError", "asynchronous code is not supported", ((feed, line),))
 
     def _line(self, position: Any) -> tuple[int, int]:
-        feed = _feed(position.filename)
-        if not 0 <= feed < len(self._texts):
-            return feed, 1
-        head = self._texts[feed].encode()[: position.start]
-        return feed, head.count(b"\n") + 1
+        place = (position.filename, position.start)
+        known = self._lines.get(place)
+        if known is None:
+            feed, line = _feed(position.filename), 1
+            if 0 <= feed < len(self._texts):
+                line += self._texts[feed].encode().count(b"\n", 0, position.start)
+            known = self._lines[place] = feed, line
+        return known
 
     def _ended(self, event: Finished | Raised) -> Continuation:
         self._live = None
@@ -264,8 +266,10 @@ class Machine:
     def _open(self) -> MontySession:
         self._close()
         self._session = self._stack.enter_context(
-            _pool().checkout(limits=_LIMITS, os_policy=_POLICY, assert_message_annotations=False)
+            pool().checkout(limits=_LIMITS, os_policy=_POLICY, assert_message_annotations=False)
         )
+        if self._session.worker_pid is not None:
+            adopt(self._session.worker_pid)
         return self._session
 
     def _close(self) -> None:
@@ -337,26 +341,3 @@ def _feed(filename: str) -> int:
 
 def _mute(stream: str, text: str) -> None:
     """Plans may print; exploration runs them many times and stays quiet."""
-
-
-_lock = threading.Lock()
-_pools: dict[int, Monty] = {}
-
-
-def _pool() -> Monty:
-    """The process's pool of sandbox workers, started on first use (per process after a fork)."""
-    with _lock:
-        pool = _pools.get(os.getpid())
-        if pool is None:
-            pool = Monty(max_processes=16, request_timeout=30.0, checkout_timeout=60.0)
-            pool.__enter__()
-            _pools.clear()
-            _pools[os.getpid()] = pool
-            atexit.register(_shutdown, os.getpid())
-        return pool
-
-
-def _shutdown(pid: int) -> None:
-    pool = _pools.pop(pid, None)
-    if pool is not None and pid == os.getpid():
-        pool.__exit__(None, None, None)

@@ -51,6 +51,17 @@ _VOLATILE_HEAP = frozenset({"entries", "tracker", "allocations_since_gc", "purpl
 
 _NESTED = frozenset({dict, list})
 
+_REFERENCE, _HASH = "{'C': ", "'H': "
+"""How a reference to the heap, and the hash of a dictionary's key, show in an item's ``repr``."""
+
+_VARIABLES = ("stack", "globals")
+"""The parts of the machine that hold the program's variables."""
+
+
+def _is_special(text: str) -> bool:
+    """True if an item may hold references or hashes (asking its text is quicker than a walk)."""
+    return _REFERENCE in text or _HASH in text
+
 
 class _UnknownShape(Exception):
     """A part of the snapshot whose references cannot be told from numbers."""
@@ -189,7 +200,11 @@ class _Traversal:
     def run(self, roots: list[Any]) -> list[Any]:
         if any(frame.get("N") is not None for frame in roots[2]["frames"]):
             raise _UnknownShape
-        shape = [self.value(roots)]
+        kind, pending, machine, scheduler = roots
+        rest = {k: v for k, v in machine.items() if k not in ("frames", *_VARIABLES)}
+        others, frames = self.text([kind, pending, rest, scheduler]), repr(machine["frames"])
+        variables = [self.value(machine[k]) for k in _VARIABLES]
+        shape: list[Any] = [[others, frames, *variables]]
         while len(shape) <= len(self.queue):
             shape.append(self.entry(self.entries[self.queue[len(shape) - 1]]))
         unseen = [
@@ -208,19 +223,26 @@ class _Traversal:
         return ["ref", self.number[slot]]
 
     def value(self, item: Any) -> Any:
-        kind = type(item)
-        if kind is dict:
-            if len(item) == 1 and isinstance(item.get("C"), int):
-                return self.reference(item["C"])
-            hashed = "H" in item and "V" in item
-            return {
-                k: self.value(v) if type(v) in _NESTED else v
-                for k, v in item.items()
-                if not (hashed and k == "H")
-            }
-        if kind is list:
-            return [self.value(v) if type(v) in _NESTED else v for v in item]
-        return item
+        """An item with its references numbered in order of the visit, and without hashes."""
+        return self.walked(item) if type(item) in _NESTED and _is_special(repr(item)) else item
+
+    def text(self, item: Any) -> str:
+        """The same as text."""
+        text = repr(item)
+        return repr(self.walked(item)) if _is_special(text) else text
+
+    def walked(self, item: dict[str, Any] | list[Any]) -> Any:
+        if type(item) is list:
+            return [self.walked(v) if type(v) in _NESTED else v for v in item]
+        assert isinstance(item, dict)
+        if len(item) == 1 and isinstance(item.get("C"), int):
+            return self.reference(item["C"])
+        hashed = "H" in item and "V" in item
+        return {
+            k: self.walked(v) if type(v) in _NESTED else v
+            for k, v in item.items()
+            if not (hashed and k == "H")
+        }
 
     def entry(self, entry: dict[str, Any]) -> Any:
         tag, payload = _only(entry["D"])

@@ -135,11 +135,6 @@ class Stepper:
             return self._run(self.machine.advance(here.plan, here.reply), here.lab, here, reader)
         return self._run(here.plan, here.lab, here, reader)
 
-    def look_ahead(self, here: Config) -> None:
-        """Run the plan on past its command while its process stands there; saves a reload."""
-        if here.turn is Turn.REPLY and here.plan is not None and not here.waits:
-            self.machine.advance(here.plan, here.reply)
-
     # --- the plan ------------------------------------------------------------------------------
 
     def _run(self, at: Continuation, lab: Continuation, here: Config, reader: Reader) -> Config:

@@ -30,7 +30,8 @@ class Snapshot:
         tables: The sandbox's tables of functions, strings and global names.
         machine: The frames, the stack and the globals.
         heap: The heap's entries.
-        shape: The snapshot in its canonical form: the roots, then the heap's entries.
+        shape: The snapshot in its canonical form: the roots (the last two of them the stack and the
+            globals), then the heap's entries.
         order: Which entry of the canonical form a slot of the heap is.
     """
 
