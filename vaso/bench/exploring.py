@@ -1,8 +1,12 @@
-"""How many transitions a second exploration takes."""
+"""How many transitions a second exploration takes on one core.
+
+Plan and sandbox share a core while a plan is explored (:mod:`vaso.plan.affinity`), on Linux; where
+they do not, they still take turns, so that the rate is one of at most one core.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from vaso.bench.measure import timed
@@ -10,7 +14,7 @@ from vaso.bench.plans import corpus
 from vaso.plan import compile_plan
 from vaso.skill_file import load_skill
 
-__all__ = ["Rate", "measure"]
+__all__ = ["Rate", "measure", "together"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,3 +50,14 @@ def measure(repeats: int, *, quick: bool = False) -> Iterator[Rate]:
         loaded = load_skill(skill)
         seconds, system = timed(repeats, compile_plan, source, loaded)
         yield Rate(name, len(system.states), system.transitions, seconds)
+
+
+def together(rates: Iterable[Rate]) -> Rate:
+    """All plans, one after the other."""
+    rates = list(rates)
+    return Rate(
+        "all of them",
+        sum(r.states for r in rates),
+        sum(r.transitions for r in rates),
+        sum(r.seconds for r in rates),
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from vaso.bench.exploring import Rate
+from vaso.bench.exploring import Rate, together
 from vaso.bench.many import Pass
 from vaso.bench.measure import Point
 from vaso.bench.scaling import families
@@ -63,10 +63,10 @@ def _ratio(times: Sequence[float | None], limit: float) -> str:
     return f"{'' if plain else '> '}{ratio:.1f}×" if ratio < 100 else f"> {ratio // 100 * 100:.0f}×"
 
 
-def _rates(rates: Iterable[Rate]) -> str:
+def _rates(rates: Sequence[Rate]) -> str:
     rows = [
         [r.plan, f"{r.states:,}", f"{r.transitions:,}", duration(r.seconds), f"{r.per_second:,.0f}"]
-        for r in rates
+        for r in [*rates, together(rates)]
     ]
     return _table(["plan", "states", "transitions", "time", "transitions/s"], rows)
 

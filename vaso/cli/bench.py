@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from vaso.cli.bench_completion import completion
+from vaso.cli.bench_exploring import exploring
 from vaso.cli.bench_formulas import formulas
 from vaso.cli.bench_shield import shield
 from vaso.cli.benching import FOLDER, many, run_all
@@ -30,8 +31,7 @@ app.command()(formulas)
 app.command()(evidence)
 app.command()(fuzz)
 app.command()(mutation)
-
-
+app.command()(exploring)
 app.command()(many)
 app.command()(shield)
 app.command()(completion)

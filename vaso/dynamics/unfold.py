@@ -68,7 +68,7 @@ class Unfolding:
         """The unfolding as a transition system, with further labels for each node."""
         controls = [self.system.states[node.state] for node in self.nodes]
         states = tuple(
-            replace(state, labels={**state.labels, **more})
+            state.relabelled({**state.labels, **more}, state.observed)
             for state, more in zip(controls, labels, strict=True)
         )
         edges = tuple(n.edges for n in self.nodes)
@@ -131,11 +131,11 @@ class _Work:
         node = self.nodes[number]
         edges = self.system.edges[node.state]
         if math.isinf(node.duration):
-            node.edges = tuple(replace(e, target=number) for e in edges)
+            node.edges = tuple(e.to(number) for e in edges)
             return
         after = self._within_reach(node.period.end(node.duration))
         targets = {e.target: self._place(e.target, after, node.state) for e in edges}
-        node.edges = tuple(replace(e, target=targets[e.target]) for e in edges)
+        node.edges = tuple(e.to(targets[e.target]) for e in edges)
 
     def _place(self, state: int, box: Box, before: int) -> int:
         known = self.of_state.setdefault(state, [])

@@ -57,7 +57,7 @@ class Estimate:
         self._accuracy = accuracy
         self._constants = whole(response)
         self._before = before
-        self._bounds: dict[tuple[SetPoints, float, float], dict[str, Interval]] = {}
+        self._bounds: dict[tuple[SetPoints, float, float], Mapping[str, Interval]] = {}
         self._after: dict[tuple[SetPoints, float, float], Estimate] = {}
 
     @classmethod
@@ -86,7 +86,7 @@ class Estimate:
         """The set-points of a command; None where the response does not know it."""
         return setpoints_of(command, self.response)
 
-    def bounds(self, setpoints: SetPoints, begin: float, end: float) -> dict[str, Interval]:
+    def bounds(self, setpoints: SetPoints, begin: float, end: float) -> Mapping[str, Interval]:
         """Every moving number between two times of the period that begins now."""
         key = setpoints, begin, end
         if key not in self._bounds:

@@ -82,9 +82,9 @@ class Forecaster:
             phases.append(self._phase(commands[-1], world, bounds[-1]))
         return tuple(phases)
 
-    def _bounds(self, commands: Sequence[Issued]) -> list[dict[str, Interval]]:
+    def _bounds(self, commands: Sequence[Issued]) -> list[Mapping[str, Interval]]:
         """What the response says of each period; the last one has no end."""
-        found: list[dict[str, Interval]] = []
+        found: list[Mapping[str, Interval]] = []
         dt, estimate = self._platform.dt, self._estimate
         for index, command in enumerate(commands):
             setpoints = estimate.setpoints(command) if estimate is not None else None

@@ -8,6 +8,9 @@ from typing import Any
 
 import cbor2
 
+_HEAD = 48
+"""So many bytes of a part are looked for, before the rest is compared."""
+
 _CONSTANT = ("program", "tables")
 """Keys of the executor whose values are the program itself."""
 
@@ -17,7 +20,7 @@ class DumpReader:
 
     The program's code and the modules that it imports make up most of a dump. Their bytes are found
     in the first dump; in later ones they are cut out before decoding, and the objects that they
-    stand for are put back. Where they are not found exactly once, everything is decoded.
+    stand for are put back. Where they are not found in their places, everything is decoded.
     """
 
     def __init__(self) -> None:
@@ -31,10 +34,10 @@ class DumpReader:
             return whole
         short = document
         for number, (part, _) in enumerate(self._known):
-            pieces = short.split(part)
-            if len(pieces) != 2:
+            at = short.find(part[:_HEAD])
+            if at < 0 or not short.startswith(part, at):
                 return cbor2.loads(document)
-            short = _placeholder(number).join(pieces)
+            short = b"".join((short[:at], _placeholder(number), short[at + len(part) :]))
         return self._restored(cbor2.loads(short)) or cbor2.loads(document)
 
     def _restored(self, document: Any) -> Any:

@@ -322,7 +322,10 @@ class _Exploration:
         Where the same set-point has led from a configuration back to it, apart from the length of
         the history, and no proposition changes with that length, the two are one.
         """
-        if (before.issued, before.world) != (after.issued, after.world):
+        if before.history == after.history or (before.issued, before.world) != (
+            after.issued,
+            after.world,
+        ):
             return after
         base = self.session.histories.base(after.history)
         self.plateaus.setdefault((*self._present(before), base), before)

@@ -90,7 +90,18 @@ class Threw:
     at: Continuation
 
 
+@dataclass(frozen=True, slots=True)
+class Sense:
+    """The code reads a sensor."""
+
+    sensor: str
+    domain: Sequence[Scalar]
+
+
 Outcome: TypeAlias = Returned | Commanded | Slept | Threw
+
+Wanted: TypeAlias = Sense | Commanded | Slept | Continuation | str
+"""What the code waits for at a call: a sensor, a period, nothing, or a clock (its name)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +163,7 @@ class Labelling:
         self.settings = {n for n in self.constants if n in _read_by_functions(tree)}
         self.acting = _acting(tree, {c.name for c in platform.commands})
         self.uses_clock = self._mentions_clock = uses_clock(tree)
+        self._wanted: dict[bytes, Wanted] = {}
         self._machine = Machine(
             [
                 f"pass\n{scope_prelude(tree)}{round_prelude(tree)}",
@@ -267,12 +279,23 @@ class Labelling:
     def _step(
         self, event: Call, at: Continuation, ask: Ask, clock: float
     ) -> Outcome | Continuation:
+        wanted = self._wanted.get(at.key)
+        if wanted is None:
+            wanted = self._wanted[at.key] = self._want(event, at)
+        if isinstance(wanted, Sense):
+            return self._machine.advance(at, ask(wanted.sensor, wanted.domain))
+        if not isinstance(wanted, str):
+            return wanted
+        if not self.uses_clock:
+            raise ClockReadError
+        return self._machine.advance(at, reading(wanted, clock))
+
+    def _want(self, event: Call, at: Continuation) -> Wanted:
         sensor = self.platform.sensor(event.name)
         command = self.platform.command(event.name)
         try:
             if sensor is not None:
-                value = ask(sensor.key(event.args, event.kwargs), sensor.domain)
-                return self._machine.advance(at, value)
+                return Sense(sensor.key(event.args, event.kwargs), sensor.domain)
             if command is not None:
                 return Commanded(command.issue(event.args, event.kwargs), at)
             if event.name == "time.sleep":
@@ -281,9 +304,7 @@ class Labelling:
         except PlanError as error:
             raise self.error(error.message, event.line) from error
         if event.name == "time.time":
-            if not self.uses_clock:
-                raise ClockReadError
-            return self._machine.advance(at, reading(str(event.args[0]), clock))
+            return str(event.args[0])
         raise self.error(f"the function '{event.name}' is not defined", event.line)
 
 

@@ -235,8 +235,11 @@ class _Traversal:
         if type(item) is list:
             return [self.walked(v) if type(v) in _NESTED else v for v in item]
         assert isinstance(item, dict)
-        if len(item) == 1 and isinstance(item.get("C"), int):
-            return self.reference(item["C"])
+        if len(item) == 1:
+            ((key, value),) = item.items()
+            if key == "C" and isinstance(value, int):
+                return self.reference(value)
+            return {key: self.walked(value)} if type(value) in _NESTED else item
         hashed = "H" in item and "V" in item
         return {
             k: self.walked(v) if type(v) in _NESTED else v

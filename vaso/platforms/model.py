@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
+from functools import lru_cache
 from typing import Annotated, Any, ClassVar, Literal, Protocol, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -92,10 +93,8 @@ class Command(BaseModel):
                     expected=self.signature,
                 )
             given[key] = value
-        return Issued(
-            name=self.name,
-            arguments=tuple((p.name, self._argument(p, given)) for p in self.parameters),
-        )
+        arguments = tuple((p.name, self._argument(p, given)) for p in self.parameters)
+        return _issued(self.name, arguments, repr(arguments))
 
     def _argument(self, parameter: Parameter, given: Mapping[str, Any]) -> Value:
         if parameter.name not in given:
@@ -263,6 +262,12 @@ class Platform(BaseModel):
     def phrases(self) -> dict[str, str]:
         """English clauses of the standard propositions, for the English printer."""
         return {p.name: p.phrase for p in self.propositions if p.phrase}
+
+
+@lru_cache(maxsize=4_096)
+def _issued(name: str, arguments: tuple[tuple[str, Value], ...], _: str) -> Issued:
+    """One object for equal commands, which are compared often; the text tells 0.0 from -0.0."""
+    return Issued(name=name, arguments=arguments)
 
 
 def _number(value: Any, what: str) -> float:

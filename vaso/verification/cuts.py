@@ -28,7 +28,7 @@ _Pair: TypeAlias = tuple[Formula, Formula]
 
 def mark(system: TransitionSystem) -> TransitionSystem:
     """Label every state with whether it is a cut."""
-    states = (replace(s, labels={**s.labels, CUT.name: s.cut}) for s in system.states)
+    states = (s.relabelled({**s.labels, CUT.name: s.cut}, s.observed) for s in system.states)
     return replace(system, states=tuple(states))
 
 

@@ -85,7 +85,7 @@ def _by_command(system: TransitionSystem) -> TransitionSystem:
         command: {_COMMAND.format(b): bool(number >> b & 1) for b in range(bits)}
         for number, command in enumerate(commands)
     }
-    states = tuple(replace(s, labels=codes[s.command], observed={}) for s in system.states)
+    states = tuple(s.relabelled(codes[s.command], {}) for s in system.states)
     visible = [Proposition(_COMMAND.format(b)) for b in range(bits)]
     return reduce(replace(system, states=states), visible)
 

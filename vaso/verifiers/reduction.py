@@ -23,7 +23,8 @@ from vaso.plan.transition_system import Edge, State, TransitionSystem
 __all__ = ["reduce"]
 
 _REDUCED = "_reduced"
-"""Where a system keeps what it was reduced to; many questions are about the same atoms."""
+"""Where a system keeps what it was reduced to; many questions are about the same atoms, or about
+some of them, and a reduction for more atoms is a smaller place to start from."""
 
 
 def reduce(
@@ -47,7 +48,10 @@ def reduce(
     known = system.__dict__.setdefault(_REDUCED, {})
     key = (frozenset(atoms), names)
     if key not in known:
-        known[key] = _reduced(system, atoms, names, tables or AtomTables(system))
+        finer = [s for (a, n), s in known.items() if a >= key[0] and n >= names]
+        start = min(finer, key=lambda s: len(s.states), default=system)
+        usable = tables if tables is not None and start is system else AtomTables(start)
+        known[key] = _reduced(start, atoms, names, usable)
     found: TransitionSystem = known[key]
     return found
 
@@ -142,7 +146,7 @@ def _quotient(
             if block not in numbers:
                 numbers[block] = len(order)
                 order.append(kept[block])
-        edges.append(_joined([_led(e, numbers[blocks[e.target]]) for e in out]))
+        edges.append(_joined([e.to(numbers[blocks[e.target]]) for e in out]))
     states = tuple(_visible(system.states[number], names) for number in order)
     used = {s for out in edges for e in out for s in e.guard}
     used |= {
@@ -163,12 +167,7 @@ def _joined(edges: list[Edge]) -> tuple[Edge, ...]:
     return tuple(edges)
 
 
-def _led(edge: Edge, target: int) -> Edge:
-    """The edge to another state. There are many: ``replace`` would take three times as long."""
-    return Edge(edge.guard, target, edge.line, edge.reads)
-
-
 def _visible(state: State, names: frozenset[str]) -> State:
     labels = {n: v for n, v in state.labels.items() if n in names}
     observed = {n: c for n, c in state.observed.items() if n in names}
-    return replace(state, labels=labels, observed=observed)
+    return state.relabelled(labels, observed)

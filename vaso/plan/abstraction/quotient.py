@@ -94,7 +94,7 @@ class Quotient:
                 found.extend(form.values(cells))
         base = _base(snapshot, places, cells, alive)
         numbers = [None if _is_reference(cell) else cell for cell in cells.values()]
-        return View(base, tuple(found), _digest([base, numbers]))
+        return View(base, tuple(found), base + repr(numbers).encode())
 
     def _at(self, place: Place, call: Span) -> list[Watched]:
         """The forms that the future looks at from a call."""
