@@ -70,12 +70,6 @@ def test_what_is_made_the_same(condition):
     assert system.cut is None and any(s.api == "forward()" for s in system.states)
 
 
-def test_only_a_single_exception_of_its_own_is_stood_in_for():
-    two = "class A(Exception): pass\nclass B(Exception): pass\ntry:\n    raise A\nexcept B:\n    stop()\n"
-    system = compile_plan(two, DRIVE)
-    assert system.cut is not None and not system.cut.supported
-
-
 @pytest.mark.parametrize(
     "source", ["break", "continue", "return 1", "x = 1\nnonlocal x", "*a = [1]"]
 )

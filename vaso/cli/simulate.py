@@ -71,8 +71,12 @@ def simulate(
     """
     chosen = get_skill(skill, version, name)
     wanted = _choose(_load(chosen, tasks), task)
-    if (picture or animation) and len(wanted) > 1:
-        raise VasoError("a picture is of one task", hint="name it with --task")
+    if picture or animation:
+        from vaso.simulation.drawing import check_names
+
+        check_names(picture, animation)
+        if len(wanted) > 1:
+            raise VasoError("a picture is of one task", hint="name it with --task")
     given = get_plan(plan) if plan else None
     runs = _run(chosen, wanted, given, lm, range(seed, seed + seeds), shield)
     if as_json:

@@ -9,6 +9,7 @@ import ast
 from collections.abc import Collection, Iterator
 
 from vaso.errors import UnsupportedPlanError
+from vaso.plan.nodes import nodes
 
 _EAGER = frozenset({"list", "tuple", "set", "frozenset", "dict", "sorted", "sum", "min", "max"})
 _ORDERLESS = frozenset({"sorted", "sum", "min", "max", "any", "all", "len", "set", "frozenset"})
@@ -28,8 +29,8 @@ def check_differences(tree: ast.AST, name: str, acting: Collection[str]) -> None
     Raises:
         UnsupportedPlanError: With the construct, its line and what to write instead.
     """
-    own = {n.name for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)}
-    parents = {c: node for node in ast.walk(tree) for c in ast.iter_child_nodes(node)}
+    own = {n.name for n in nodes(tree) if isinstance(n, ast.FunctionDef)}
+    parents = {c: node for node in nodes(tree) for c in ast.iter_child_nodes(node)}
     found = [
         *_eager_generators(tree, own | set(acting)),
         *_eager_maps(tree, own | set(acting), parents),
@@ -49,7 +50,7 @@ _Found = tuple[ast.AST, str, str]
 
 def _eager_generators(tree: ast.AST, functions: set[str]) -> Iterator[_Found]:
     """The sandbox runs a generator expression to its end at once, so it must not act."""
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.GeneratorExp) and (used := _names(node) & functions):
             listed = ", ".join(sorted(used))
             yield node, f"a generator expression calls {listed}", "a loop, or a list in brackets"
@@ -58,7 +59,7 @@ def _eager_generators(tree: ast.AST, functions: set[str]) -> Iterator[_Found]:
 def _eager_maps(
     tree: ast.AST, functions: set[str], parents: dict[ast.AST, ast.AST]
 ) -> Iterator[_Found]:
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         used = _names(node) & functions if _called(node) in ("map", "filter") else set()
         if used and _called(parents.get(node)) not in _EAGER:
             what = f"'{_called(node)}' calls {', '.join(sorted(used))} one by one"
@@ -69,13 +70,13 @@ def _set_orders(tree: ast.AST, parents: dict[ast.AST, ast.AST]) -> Iterator[_Fou
     """The order of a set's elements differs, and may differ from run to run in CPython."""
     sets = {
         target.id
-        for node in ast.walk(tree)
+        for node in nodes(tree)
         if isinstance(node, ast.Assign) and _is_set(node.value, set())
         for target in node.targets
         if isinstance(target, ast.Name)
     }
     instead = "a list or a tuple, or sorted(…)"
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, (ast.For, ast.comprehension)) and _is_set(node.iter, sets):
             outer = parents.get(node)
             plain = isinstance(node, ast.comprehension) and (
@@ -111,7 +112,7 @@ def _is_set(node: ast.AST, names: set[str]) -> bool:
 
 
 def _truth_of_objects(tree: ast.AST) -> Iterator[_Found]:
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.ClassDef):
             for method in node.body:
                 if isinstance(method, ast.FunctionDef) and method.name in ("__bool__", "__len__"):
@@ -119,14 +120,14 @@ def _truth_of_objects(tree: ast.AST) -> Iterator[_Found]:
 
 
 def _missing(tree: ast.AST) -> Iterator[_Found]:
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Call) and _called(node) in _MISSING:
             yield node, f"the plan calls '{_called(node)}'", "a value that the plan keeps itself"
 
 
 def _processor_time(tree: ast.AST) -> Iterator[_Found]:
     """Processor time does not pass in the sandbox."""
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         used = {a.name for a in node.names} if isinstance(node, ast.ImportFrom) else set()
         used |= {node.attr} if isinstance(node, ast.Attribute) else set()
         if refused := sorted(used & _PROCESSOR_TIME):

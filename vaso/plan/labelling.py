@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 from vaso.errors import LabellingError, PlanError
 from vaso.plan.config import ClockReadError, reading
 from vaso.plan.machine import Call, Continuation, Lookup, Machine, Raised, Throw
+from vaso.plan.nodes import nodes
 from vaso.plan.rewrite import round_prelude
 from vaso.plan.source import locate, parse_python, scope_prelude, uses_clock, without_aliases
 from vaso.plan.transition_system import Scalar
@@ -332,7 +333,7 @@ def _kind(parameter: str, platform: Platform) -> str | None:
 
 def _constants(tree: ast.Module) -> dict[str, bool]:
     """Module-level names with a value, and whether a function rebinds them."""
-    rebound = {n for node in ast.walk(tree) if isinstance(node, ast.Global) for n in node.names}
+    rebound = {n for node in nodes(tree) if isinstance(node, ast.Global) for n in node.names}
     found: dict[str, bool] = {}
     for node in tree.body:
         targets = node.targets if isinstance(node, ast.Assign) else []

@@ -10,6 +10,8 @@ import ast
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeAlias
 
+from vaso.plan.nodes import nodes
+
 Edit: TypeAlias = tuple[int, int, int, int, str]
 
 MARKS = "__vaso_marks__"
@@ -36,9 +38,9 @@ def alias_edits(tree: ast.AST) -> Iterator[Edit]:
 
     In the body of a class they stay: they are a dataclass's fields, and are not evaluated there.
     """
-    classes = [n for n in ast.walk(tree) if isinstance(n, ast.ClassDef)]
+    classes = [n for n in nodes(tree) if isinstance(n, ast.ClassDef)]
     fields = {id(n) for c in classes for n in c.body if isinstance(n, ast.AnnAssign)}
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if not isinstance(node, (ast.Assign, ast.AnnAssign)) or id(node) in fields:
             continue
         if node.value is None or _is_type(node.value):
@@ -72,13 +74,13 @@ def round(number, ndigits=None):
 
 def round_prelude(tree: ast.AST) -> str:
     """A ``round`` that rounds decimals as CPython does; the sandbox's own rounds scaled values."""
-    used = any(isinstance(n, ast.Name) and n.id == "round" for n in ast.walk(tree))
+    used = any(isinstance(n, ast.Name) and n.id == "round" for n in nodes(tree))
     return _ROUND if used else ""
 
 
 def import_edits(tree: ast.AST, own: Callable[[ast.ImportFrom], bool]) -> Iterator[Edit]:
     """Imports of the skill's own functions become ``pass``."""
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.ImportFrom) and own(node):
             yield replace_statement(node, "pass")
 
@@ -100,7 +102,7 @@ def apply_edits(source: str, edits: Sequence[Edit]) -> str:
 
 def mark_edits(tree: ast.AST) -> Iterator[Edit]:
     """Record after each statement that grows a list how long it is, so elements have lines."""
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         target = grown(node)
         if target and isinstance(node, ast.stmt):
             end_line, end = node.end_lineno or node.lineno, node.end_col_offset or 0

@@ -11,6 +11,7 @@ import ast
 from collections.abc import Collection, Mapping
 
 from vaso.errors import UnsupportedPlanError
+from vaso.plan.nodes import nodes
 from vaso.plan.toplevel import bindings
 
 
@@ -40,7 +41,7 @@ def check_shadowing(
         if isinstance(n, ast.FunctionDef) and _same(n, functions.get(n.name))
     }
     shadowed = set(own) - set(constants) - copies
-    called = {n.id for n in ast.walk(plan) if isinstance(n, ast.Name)} & set(functions) - set(own)
+    called = {n.id for n in nodes(plan) if isinstance(n, ast.Name)} & set(functions) - set(own)
     for function in sorted(_closure(called, functions, set(own))):
         if changed := sorted(_reads(functions[function]) & shadowed):
             raise UnsupportedPlanError(

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from vaso.errors import PlanError, UnsupportedPlanError
 from vaso.plan.abstraction import FIRST_NAME
 from vaso.plan.differences import check_differences
+from vaso.plan.nodes import nodes
 from vaso.plan.rewrite import (
     MARKER,
     alias_edits,
@@ -29,14 +30,7 @@ from vaso.plan.rewrite import (
     mark_edits,
     round_prelude,
 )
-from vaso.plan.stand_ins import (
-    enum_edits,
-    enum_prelude,
-    exception_edits,
-    module_edits,
-    module_prelude,
-    replaced_modules,
-)
+from vaso.plan.stand_ins import replaced_modules, stand_in_edits, stand_in_prelude
 from vaso.plan.toplevel import TopLevel
 
 MODULES = frozenset(
@@ -99,9 +93,7 @@ def prepare(
     _check_names(tree, name, {*known, *constants})
     check_differences(tree, name, acting)
     edits = list(alias_edits(tree))
-    edits += enum_edits(tree, name)
-    edits += exception_edits(tree)
-    edits += module_edits(tree)
+    edits += stand_in_edits(source, tree, name)
     edits += import_edits(tree, lambda node: _imports_own_functions(node, known))
     top = TopLevel(tree, name, known)
     tail = top.entry_call()
@@ -109,7 +101,7 @@ def prepare(
         edits += [*mark_edits(tree), *last_value_edits(tree, tail)]
         tail += collect_call(tree)
     prelude = f"{FIRST_NAME} = None\n" + scope_prelude(tree) + (MARKER if trajectory else "")
-    prelude += enum_prelude(tree) + round_prelude(tree) + module_prelude(tree)
+    prelude += round_prelude(tree) + stand_in_prelude(tree)
     body = apply_edits(source, edits).rstrip("\n")
     return Program(
         prelude=prelude,
@@ -177,7 +169,7 @@ def uses_clock(tree: ast.AST) -> bool:
         "perf_counter_ns",
         "now",
     }
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Attribute) and node.attr in clocks:
             return True
         names = node.names if isinstance(node, ast.ImportFrom) else []
@@ -188,7 +180,7 @@ def uses_clock(tree: ast.AST) -> bool:
 
 def scope_prelude(tree: ast.AST) -> str:
     """Imports of the modules in scope that a program mentions; each is a part of every snapshot."""
-    used = {n.id for n in ast.walk(tree) if isinstance(n, ast.Name)}
+    used = {n.id for n in nodes(tree) if isinstance(n, ast.Name)}
     return "".join(f"import {module}\n" for module in IN_SCOPE if module in used)
 
 
@@ -202,7 +194,7 @@ def without_aliases(source: str, tree: ast.AST) -> str:
 
 def _check_imports(tree: ast.AST, name: str, known: Collection[str]) -> None:
     replaced = replaced_modules(tree)
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.ImportFrom) and _imports_own_functions(node, known):
             continue
         for module in _imported(node):
@@ -234,7 +226,7 @@ def _imports_own_functions(node: ast.ImportFrom, known: Collection[str]) -> bool
 
 def _check_names(tree: ast.AST, name: str, known: Collection[str]) -> None:
     defined = {*known, *_bound(tree), *dir(builtins), "__name__", *IN_SCOPE}
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id not in defined:
             near = difflib.get_close_matches(node.id, sorted(defined), 1)
             called = node.id in {_name(c) for c in _calls(tree)}
@@ -249,7 +241,7 @@ def _check_names(tree: ast.AST, name: str, known: Collection[str]) -> None:
 
 
 def _calls(tree: ast.AST) -> Iterator[ast.Call]:
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
             yield node
 
@@ -261,7 +253,7 @@ def _name(call: ast.Call) -> str:
 def _bound(tree: ast.AST) -> set[str]:
     """Every name that the program binds anywhere."""
     names: set[str] = set()
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
             names.add(node.id)
         elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 from vaso.plan.abstraction.forms import GLOBAL, Var
 from vaso.plan.abstraction.scopes import COMPREHENSIONS, Scope, Scopes, parameters
+from vaso.plan.nodes import nodes
 
 FIRST = -10
 """Number of the first class, as an owner of variables; the next one's is one less."""
@@ -51,16 +52,16 @@ class Fields:
 
     def __init__(self, tree: ast.Module, scopes: Scopes) -> None:
         self._scopes = scopes
-        self._parents = {c: n for n in ast.walk(tree) for c in ast.iter_child_nodes(n)}
+        self._parents = {c: n for n in nodes(tree) for c in ast.iter_child_nodes(n)}
         self._scope_of: dict[ast.AST, Scope] = {}
         self._place(tree, scopes.module)
         self._made = {
             id(n.targets[0]): n.value
-            for n in ast.walk(tree)
+            for n in nodes(tree)
             if isinstance(n, ast.Assign) and len(n.targets) == 1 and isinstance(n.value, ast.Call)
         }
-        self._attributes = [n for n in ast.walk(tree) if isinstance(n, ast.Attribute)]
-        self._names = [n for n in ast.walk(tree) if isinstance(n, ast.Name)]
+        self._attributes = [n for n in nodes(tree) if isinstance(n, ast.Attribute)]
+        self._names = [n for n in nodes(tree) if isinstance(n, ast.Name)]
         self.classes: list[Single] = []
         for node in tree.body:
             if isinstance(node, ast.ClassDef) and self._is_single(node):

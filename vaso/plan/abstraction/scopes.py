@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import TypeAlias, TypeGuard
 
 from vaso.plan.abstraction.forms import GLOBAL, Var
+from vaso.plan.nodes import nodes
 
 Function: TypeAlias = ast.FunctionDef | ast.Lambda
 Comprehension: TypeAlias = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
@@ -102,7 +103,7 @@ class Scopes:
             if (var := self.owner(name, scope)) is not None:
                 self._bindings[var].append(node)
         self._find_loose()
-        made = {id(n.targets[0]) for n in ast.walk(tree) if _makes_logger(n)}
+        made = {id(n.targets[0]) for n in nodes(tree) if _makes_logger(n)}
         for var, ways in self._bindings.items():
             if all(id(way) in made for way in ways):
                 self.loggers.add(var)
@@ -289,7 +290,7 @@ def _makes_logger(node: ast.AST) -> TypeGuard[ast.Assign]:
 
 
 def _refuse(tree: ast.Module) -> None:
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, _REFUSED):
             line = getattr(node, "lineno", 0)
             raise NotAnalysableError(f"'{type(node).__name__}' in line {line}")
