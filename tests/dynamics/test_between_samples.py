@@ -9,6 +9,7 @@ from vehicle_simulation import Vehicle
 from vaso import get_platform, load_skill, verify
 from vaso.dynamics.rules import Invariant, invariant
 from vaso.ltl import parse
+from vaso.plan import Budget
 from vaso.platforms import Channel, Position, Response, Speed
 from vaso.verdict import Verdict
 
@@ -130,6 +131,14 @@ def test_where_the_bounds_do_not_decide_it_is_not_known():
     sampled, inside = judge(SQUARE.plan_template, "G(linear_velocity <= 0.5)")
     assert sampled is Verdict.PASS
     assert inside.verdict is Verdict.UNKNOWN and "too wide" in inside.text
+
+
+def test_a_plan_that_was_not_explored_to_its_end_is_not_known():
+    endless = "n = 0\nwhile n == n:\n    n += 1\n    if str(n):\n        forward()\n"
+    result = verify("drive", endless, budget=Budget(states=30))
+    (inside,) = result.between
+    assert inside.verdict is Verdict.UNKNOWN
+    assert "explored up to step" in inside.reason
 
 
 # --- the shipped skills --------------------------------------------------------------------------

@@ -101,6 +101,13 @@ def test_a_core_without_others_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
         assert len(os.sched_getaffinity(0)) == 1
 
 
+def test_nothing_is_done_where_nobody_tells_who_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    allowed = os.sched_getaffinity(0)
+    monkeypatch.setattr(affinity, "_delay", lambda: None)
+    with OneCore():
+        assert os.sched_getaffinity(0) == allowed
+
+
 def test_explorations_at_the_same_time_have_all_cores(other: int) -> None:
     allowed = os.sched_getaffinity(0)
     inside: list[set[int]] = []

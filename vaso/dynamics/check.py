@@ -67,14 +67,14 @@ def between_samples(
     if response is None:
         why = f"platform {robot.name} does not say how it follows set-points"
         return tuple(_refused(r, why, "") for r in numeric)
-    opened = {id(r): _open(r, response) for r in numeric}
+    opened = {id(r): _open(r, system, response) for r in numeric}
     todo = [o for o in opened.values() if isinstance(o, Open)]
     if todo:
         _decide(todo, system, robot, response, verifier, seconds)
     return tuple(_result(r, opened[id(r)], robot, response) for r in numeric)
 
 
-def _open(sampled: Sampled, response: Response) -> Open | str | Verdict:
+def _open(sampled: Sampled, system: TransitionSystem, response: Response) -> Open | str | Verdict:
     """A rule to decide; or why there is nothing to decide; or its verdict already."""
     found = invariant(sampled.formula)
     if isinstance(found, str):
@@ -87,6 +87,8 @@ def _open(sampled: Sampled, response: Response) -> Open | str | Verdict:
     rule = Open(found, tuple(rule.formula for rule in sampled.needed))
     if sampled.result.verdict is Verdict.FAIL:
         rule.reason = "the rule does not hold at the samples already"
+    elif system.cut is not None:
+        rule.reason = f"the plan was explored up to step {system.cut.depth} only"
     return rule
 
 

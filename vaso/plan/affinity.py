@@ -57,8 +57,8 @@ def adopt(worker: int) -> None:
 class OneCore:
     """Keeps the calling thread and the sandbox on one core. Use as a context manager.
 
-    It has no effect where another thread of this process explores at the same time, or where the
-    thread has been given a single core anyway.
+    It has no effect where another thread of this process explores at the same time, where the
+    thread has been given a single core anyway, or where the system does not tell who waits.
 
     Attributes:
         thread: The system's identifier of the thread that entered.
@@ -74,8 +74,8 @@ class OneCore:
 
     def __enter__(self) -> OneCore:
         clients = _clients.get(os.getpid())
-        core = _current_core()
-        if not clients or core is None:
+        core, waited = _current_core(), _delay()
+        if not clients or core is None or waited is None:
             return self
         with _lock:
             if _holder:
@@ -86,7 +86,7 @@ class OneCore:
             if len(self.allowed) > 1 and core in self.allowed:
                 self._core = {core}
                 _allow([self.thread, *clients], self._core)
-                self._looked = (time.monotonic(), _delay())
+                self._looked = (time.monotonic(), waited)
                 _holder.append(self)
         return self
 
@@ -106,13 +106,15 @@ class OneCore:
         """Leave the core if others need it; to be called now and then."""
         if not self._core:
             return
-        now, (then, waited) = time.monotonic(), self._looked
+        now, (then, before) = time.monotonic(), self._looked
         if now - then < WINDOW_S:
             return
-        self._looked = now, _delay()
-        if self._looked[1] - waited > BUSY * (now - then):
+        waited = _delay()
+        if waited is None or waited - before > BUSY * (now - then):
             with _lock:
                 self.free()
+        else:
+            self._looked = now, waited
 
     @contextmanager
     def left(self) -> Iterator[None]:
@@ -162,9 +164,9 @@ def _current_core() -> int | None:
         return None
 
 
-def _delay() -> float:
-    """Seconds for which the calling thread could have run and had no core."""
+def _delay() -> float | None:
+    """Seconds for which the calling thread could have run and had no core; None if not told."""
     try:
         return int(Path("/proc/thread-self/schedstat").read_text().split()[1]) / 1e9
     except (OSError, IndexError, ValueError):
-        return 0.0
+        return None
