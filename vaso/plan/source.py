@@ -36,8 +36,7 @@ from vaso.plan.toplevel import TopLevel
 MODULES = frozenset(
     {
         "enum", "math", "time", "typing", "typing_extensions", "dataclasses", "collections",
-        "itertools", "functools", "json", "re", "datetime", "__future__", "string",
-        "statistics", "operator", "copy"
+        "itertools", "functools", "json", "re", "datetime", "__future__", "copy"
     }
 )  # fmt: skip
 """Modules that a plan may import."""
