@@ -202,6 +202,31 @@ class Drive:
                 forward()
 Drive(1.0).run()
 """,
+    "a pause that may be None": """
+class Timer:
+    def __init__(self, duration):
+        self.duration, self.total = duration, 0.0
+        self.begun, self.paused = time.monotonic(), None
+    def pause(self):
+        if self.paused is None:
+            self.paused = time.monotonic()
+    def resume(self):
+        if self.paused is not None:
+            self.total += time.monotonic() - self.paused
+            self.paused = None
+    @property
+    def elapsed(self):
+        now = self.paused if self.paused is not None else time.monotonic()
+        return now - self.begun - self.total
+timer = Timer(1.0)
+while timer.elapsed < timer.duration:
+    if people_observed():
+        timer.pause()
+        stop()
+    else:
+        timer.resume()
+        forward()
+""",
     "rounds without end": """
 while True:
     begun = time.time()

@@ -27,7 +27,8 @@ class Expressions(Calls):
         """Evaluate an expression into a variable."""
         if isinstance(node, ast.Constant):
             number = isinstance(node.value, (int, float)) and not isinstance(node.value, bool)
-            return self.graph.add(Set(into, constant(node.value), not number), after)
+            nothing = node.value is None
+            return self.graph.add(Set(into, constant(node.value), not number, nothing), after)
         if isinstance(node, ast.Name):
             return self._load(node.id, into, after, scope)
         if (var := self.fields.variable(node, scope)) is not None:

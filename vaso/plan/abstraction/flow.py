@@ -17,11 +17,14 @@ class Set:
         var: The variable.
         value: The value.
         no_number: True for a literal that is no number, such as None.
+        nothing: True for None: computing with it fails, and so does comparing, but for equality,
+            which no number has with it.
     """
 
     var: Var
     value: Affine | None = None
     no_number: bool = False
+    nothing: bool = False
 
 
 @dataclass(frozen=True, slots=True)

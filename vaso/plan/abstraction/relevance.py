@@ -241,6 +241,9 @@ class _Solver:
 
 
 def _assigned(step: Assign, value: Affine, interval: Interval) -> Iterator[tuple[Affine, Interval]]:
+    """What must be known before an assignment, for a form with its variable to be known after."""
+    if step.nothing:
+        return
     factor = value.terms[step.var]
     rest = value.plus(Affine.of(step.var), -factor)
     if step.value is not None:
