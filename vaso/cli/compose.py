@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vaso.cli.common import ExitCode as Code
-from vaso.cli.common import JsonOption, code_of, console, emit, leave, write_text
+from vaso.cli.common import JsonOption, console, emit, leave, write_text
+from vaso.cli.verify import exit_code
 from vaso.errors import VasoError
 
 if TYPE_CHECKING:
@@ -58,7 +58,8 @@ def compose(
     """Verify several plans that run at the same time.
 
     Propositions are written MEMBER.PROPOSITION. Exit code 0: every rule holds, 1: one is violated,
-    2: bad input, 3: not known or not supported.
+    2: bad input, 3: not known or not supported, or every rule holds for labels that are wrong about
+    a robot.
     """
     from dataclasses import replace
 
@@ -140,5 +141,4 @@ def _show(result: CompositionResult, html: Path | None, as_json: bool) -> None:
         emit(result.to_json())
     else:
         console().print(result)
-    bad = result.problem is not None and result.problem.kind == "input"
-    leave(Code.BAD_INPUT if bad else code_of(result.verdict))
+    leave(exit_code(result))

@@ -21,6 +21,7 @@ from vaso.cli.common import (
     leave,
     write_text,
 )
+from vaso.cli.verify import exit_code
 
 
 def synthesize(
@@ -34,7 +35,8 @@ def synthesize(
 ) -> None:
     """Write a plan that keeps every rule whatever the sensors show, or show why there is none.
 
-    Exit code 0: there is a verified plan, 1: no plan can keep the rules, 3: not known.
+    Exit code 0: there is a verified plan, 1: no plan can keep the rules, 3: not known, or the plan
+    keeps them for labels that are wrong about the robot.
     """
     from vaso.cli.progress import Progress
     from vaso.synthesis import realizability
@@ -50,4 +52,5 @@ def synthesize(
         console().print(realizability_view(result))
     if write is not None and result.plan is not None:
         write_text(write, result.plan)
-    leave(CODES[result.realizable])
+    checked = result.verification
+    leave(CODES[result.realizable] if checked is None else exit_code(checked))

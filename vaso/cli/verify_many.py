@@ -105,7 +105,7 @@ def _is_no_plan(result: VerificationResult) -> bool:
 
 
 def _trouble(result: VerificationResult, path: Path) -> str:
-    """The first rule that is violated, or why there is no verdict."""
+    """The first rule that is violated, why there is no verdict, or what a PASS is not about."""
     failed = [s for s in result.specs if s.verdict is Verdict.FAIL]
     if failed:
         more = f" (and {len(failed) - 1} more)" if len(failed) > 1 else ""
@@ -113,6 +113,9 @@ def _trouble(result: VerificationResult, path: Path) -> str:
     if result.problem is not None:
         told = result.problem.message.splitlines()[0]
         return f"line {told[len(str(path)) + 1 :]}" if told.startswith(f"{path}:") else told
+    if result and result.labels is not None and result.labels.agree is not True:
+        wrong = result.labels.agree is False
+        return f"{'this PASS is not about the robot: ' if wrong else ''}{result.label_line}"
     return next((s.reason for s in result.specs if not s.verdict), "")
 
 
@@ -129,6 +132,9 @@ def _summary(results: Sequence[VerificationResult], seconds: float) -> Text:
     remembered = counts.pop("from_memo")
     told = _tally({name.replace("_", " "): number for name, number in counts.items()})
     text = Text(f"{len(results)} plan{'' if len(results) == 1 else 's'}: {told}")
+    wrong = sum(bool(r) and r.labels is not None and r.labels.agree is False for r in results)
+    if wrong:
+        text.append(f", {wrong} of them with labels that are wrong about the robot", "bold red")
     text.append(f"   {seconds:.1f} s", style="dim")
     if remembered:
         text.append(f"   {remembered} from memo", style="dim")

@@ -12,7 +12,9 @@ from vaso.concurrency.result import CompositionResult, MemberSummary
 from vaso.concurrency.rules import Gathering, Text, parsed
 from vaso.concurrency.schedule import Mode, Schedule, make_schedule
 from vaso.concurrency.sharing import Share, wire
+from vaso.concurrency.validation import compare_members
 from vaso.errors import LabellingError, PlanError, SkillError, UnsupportedPlanError
+from vaso.labels.result import LabelReport
 from vaso.ltl import Formula, ParsedFormula, Proposition, propositions, to_english, variables
 from vaso.plan.explore import Budget
 from vaso.verdict import Problem, SpecResult, Verdict
@@ -94,9 +96,10 @@ def compose(
     groups = [group if isinstance(group, str) else tuple(group) for group in exclude]
     engine = get_verifier(verifier)
     explored: list[Explored] = []
+    needed = {part.name: _needed(part, texts, groups) for part in parts}
     for part in parts:
         try:
-            explored.append(part.explore(_needed(part, texts, groups), budget))
+            explored.append(part.explore(needed[part.name], budget))
         except (PlanError, LabellingError) as error:
             return _not_compiled(part, error, texts, mode, time.perf_counter() - started)
         _require_total(explored[-1])
@@ -115,7 +118,13 @@ def compose(
         counterexamples, fair,
     )  # fmt: skip
     found = questions.answer(asked)
-    return _result(explored, schedule, found, mode, time.perf_counter() - started)
+    verified = {m.name: [*needed[m.name], *(_rules(m) if own else [])] for m in explored}
+    labels = compare_members(explored, verified)
+    return _result(explored, schedule, found, labels, mode, time.perf_counter() - started)
+
+
+def _rules(member: Explored) -> list[Formula]:
+    return [rule.formula for rule in (*member.rules, *member.assumptions)]
 
 
 def _require_total(member: Explored) -> None:
@@ -174,7 +183,12 @@ def _not_compiled(
 
 
 def _result(
-    members: Sequence[Explored], schedule: Schedule, found: Found, mode: str, seconds: float
+    members: Sequence[Explored],
+    schedule: Schedule,
+    found: Found,
+    labels: LabelReport,
+    mode: str,
+    seconds: float,
 ) -> CompositionResult:
     undecided = any(s.verdict in (Verdict.UNKNOWN, Verdict.UNSUPPORTED) for s in found.specs)
     cut = found.cut
@@ -189,6 +203,7 @@ def _result(
         seconds=seconds,
         problem=problem,
         warnings=tuple(_warnings(members, schedule)),
+        labels=labels,
         members=tuple(MemberSummary(m.name, dict(m.plans), len(m.system.states)) for m in members),
         mode=mode,
         dt=schedule.dt,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import TYPE_CHECKING
 
 from vaso.concurrency.members import Member
@@ -10,7 +10,7 @@ from vaso.concurrency.naming import rename
 from vaso.ltl import Formula, propositions, variables
 from vaso.plan.explore import Session as Session
 from vaso.plan.transition_system import TransitionSystem
-from vaso.platforms import Platform
+from vaso.platforms import Dynamics, Platform
 from vaso.skill import Rule
 
 if TYPE_CHECKING:
@@ -61,5 +61,25 @@ def layered_platform(layers: Sequence[Layer]) -> Platform:
         update={
             "propositions": (*robot.propositions, *qualified),
             "exclusions": (*robot.exclusions, *groups),
+            "dynamics": _LayeredDynamics(robot.dynamics, names),
         }
     )
+
+
+class _LayeredDynamics:
+    """The robot's dynamics; what is true of it is true for every plan on it.
+
+    Args:
+        dynamics: The robot's own.
+        names: The names of the plans.
+    """
+
+    def __init__(self, dynamics: Dynamics, names: Sequence[str]) -> None:
+        self._dynamics, self._names = dynamics, names
+        self.initial = dynamics.initial
+        self.step = dynamics.step
+
+    def truth(self, state: Hashable) -> dict[str, bool | float]:
+        """The true propositions, also under the name of each plan."""
+        own = self._dynamics.truth(state)
+        return own | {f"{name}.{p}": value for name in self._names for p, value in own.items()}

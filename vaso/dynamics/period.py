@@ -189,8 +189,14 @@ class Period:
             ),
             tuple(self._norm(m, duration) for m in motions),
             tuple(self._position(n, motions, duration, duration, exact=False) for n in self.places),
-            tuple(self._exact(self._aim(n, *instant)) for n in self.places),
-            tuple(self._exact(self._greatest(n, motions, *instant)) for n in self.places),
+            tuple(
+                _raised(self._exact(self._aim(n, *instant)), place.floor)
+                for n, place in self.places.items()
+            ),
+            tuple(
+                _raised(self._exact(self._greatest(n, motions, *instant)), place.start)
+                for n, place in self.places.items()
+            ),
         )
 
     def _norm(self, motion: Motion, time: float) -> float:

@@ -131,6 +131,7 @@ class LabelReport:
         skill: The skill's name; empty in the report on a plan.
         comparisons: One for each proposition.
         states: Control states of a plan that were compared; 0 where no plan was.
+        plans: How many plans these states are of.
         gap: Why what was compared is not everything; empty where it is.
         seconds: Wall time.
         in_plan: What the states of a plan show, where one was compared besides.
@@ -139,6 +140,7 @@ class LabelReport:
     skill: str = ""
     comparisons: tuple[LabelComparison, ...] = ()
     states: int = 0
+    plans: int = 1
     gap: str = ""
     seconds: float = field(default=0.0, compare=False)
     in_plan: LabelReport | None = None
@@ -190,7 +192,8 @@ class LabelReport:
     def _agree(self) -> str:
         text = "labels agree with the platform"
         if self.states:
-            text += f" in all {self.states} states of this plan"
+            whose = "this plan" if self.plans == 1 else "these plans"
+            text += f" in all {self.states} states of {whose}"
         else:
             rest = [c for c in self.comparisons if c.mentioned and not c.own]
             proved = all(c.status is LabelStatus.PROVED for c in rest)

@@ -13,6 +13,7 @@ from rich.text import Text
 from vaso.concurrency.gradient import JointBlame, joint_blames
 from vaso.concurrency.result import CompositionResult, Doing, JointCounterexample
 from vaso.concurrency.schedule import TURN
+from vaso.report.labels import label_lines
 from vaso.report.terminal import plan_view, rule_text, summary, verdict_text
 from vaso.report.trace import Row, TraceTable, seconds, short_call, trace_table
 from vaso.verdict import SpecResult
@@ -46,7 +47,7 @@ def composition_view(result: CompositionResult, *, counterexamples: bool = True)
         parts.append(members_line(result))
     if result.specs:
         parts.append(_rules(result.specs))
-    parts.append(summary(result))
+    parts += [summary(result), *label_lines(result)]
     parts += [Text(f"note: {w}", style="yellow") for w in result.warnings]
     if counterexamples:
         blames = joint_blames(result)

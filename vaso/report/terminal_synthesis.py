@@ -10,6 +10,8 @@ from rich.syntax import Syntax
 from rich.table import Table
 from rich.text import Text
 
+from vaso.report.labels import label_lines
+
 if TYPE_CHECKING:
     from vaso.synthesis.counterplay import CounterPlay
     from vaso.synthesis.result import Realizability
@@ -37,6 +39,8 @@ def realizability_view(result: Realizability) -> Group:
         parts.append(Text(ORIGINS[result.origin]))
     if result.plan and result.origin == "synthesized":
         parts += ["", Syntax(result.plan, "python", theme="ansi_light", background_color="default")]
+    if result.verification is not None and not result.verification.labels:
+        parts += label_lines(result.verification)
     return Group(*parts, *defeat_views(result))
 
 
