@@ -209,6 +209,14 @@ REFUSED = {
         "class A(Exception): pass\ntry:\n    raise A\nexcept OSError:\n    stop()\n"
         "except A:\n    forward()\n"
     ),
+    "an exception by its type": (
+        "class A(Exception): pass\ntry:\n    raise A('x')\nexcept Exception as e:\n"
+        "    forward() if type(e).__name__ == 'A' else stop()\n"
+    ),
+    "an exception by its text": (
+        "class A(Exception): pass\ntry:\n    raise A('x')\nexcept Exception as e:\n"
+        "    forward() if f'{e!r}'[0] == 'A' else stop()\n"
+    ),
     "a named tuple with a method": (
         "from typing import NamedTuple\nclass P(NamedTuple):\n    x: int\n"
         "    def far(self): return self.x\nif P(1).far(): forward()\n"

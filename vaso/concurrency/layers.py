@@ -283,4 +283,5 @@ def _stepper(session: Session, labeller: Labeller) -> Stepper:
         actions=frozenset(labeller.actions),
         clock=session.clock,
         histories=session.histories,
+        trajectory=session.trajectory,
     )

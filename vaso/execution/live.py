@@ -61,6 +61,7 @@ class LivePlan:
             actions=frozenset(self.labeller.actions),
             clock=True,
             histories=session.histories,
+            trajectory=session.trajectory,
         )
         self.here = self._stepper.initial()
 

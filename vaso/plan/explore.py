@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from vaso.errors import VasoError
+from vaso.errors import PlanError, VasoError
 from vaso.ltl import Formula, propositions, variables
 from vaso.plan.abstraction import NotAnalysableError, Relevance, analyse
 from vaso.plan.affinity import OneCore
@@ -24,6 +24,7 @@ from vaso.plan.kept import borrow, give_back
 from vaso.plan.labels import Labeller
 from vaso.plan.machine import Machine
 from vaso.plan.model import Plan
+from vaso.plan.rewrite import lists_of
 from vaso.plan.shadowing import check_shadowing
 from vaso.plan.source import parse_python, prepare
 from vaso.plan.stepping import Stepper
@@ -138,6 +139,7 @@ class Session:
         self.needed = needed
         looks_back = any(f.parameters for f in draft.functions.values())
         self.histories = Histories(keep=robot.trajectory is not None and looks_back)
+        self.trajectory = _trajectory_of(skill) if robot.trajectory is not None else ""
 
     def keep_numbers(self) -> None:
         """Tell states apart by every number of the plan."""
@@ -160,6 +162,14 @@ def _relevance(text: str, known: Collection[str]) -> Relevance | None:
         return analyse(text)
     except (NotAnalysableError, RecursionError):
         return None
+
+
+def _trajectory_of(skill: Skill) -> str:
+    """What the skill's plan template calls its list of set-points; empty if it has none."""
+    try:
+        return next(iter(lists_of(parse_python(skill.plan_template, skill.name))), "")
+    except PlanError:
+        return ""
 
 
 class _Exploration:
@@ -192,6 +202,7 @@ class _Exploration:
             actions=frozenset(self.labeller.actions),
             clock=session.clock,
             histories=session.histories,
+            trajectory=session.trajectory,
         )
         self.sensors: dict[str, Sensor] = {}
         self.index: dict[tuple[Hashable, ...], int] = {}

@@ -102,9 +102,11 @@ def apply_edits(source: str, edits: Sequence[Edit]) -> str:
 
 def mark_edits(tree: ast.AST) -> Iterator[Edit]:
     """Record after each statement that grows a list how long it is, so elements have lines."""
+    classes = [n for n in nodes(tree) if isinstance(n, ast.ClassDef)]
+    own = {id(statement) for c in classes for statement in c.body}
     for node in nodes(tree):
         target = grown(node)
-        if target and isinstance(node, ast.stmt):
+        if target and isinstance(node, ast.stmt) and id(node) not in own:
             end_line, end = node.end_lineno or node.lineno, node.end_col_offset or 0
             code = f"; __vaso_mark__({target!r}, {target}, {node.lineno})"
             yield end_line, end, end_line, end, code
@@ -137,18 +139,23 @@ def last_value_edits(tree: ast.Module, tail: str) -> Iterator[Edit]:
 
 def collect_call(tree: ast.Module) -> str:
     """Hand every list that the plan may mean as its trajectory to the host, likeliest first."""
-    names: list[str] = []
-    for node in tree.body:
-        for name in _assigned(node):
-            names = [name, *(n for n in names if n != name)]
     lines = [f"{FOUND}_list = []"]
-    for name in [VALUE, *names]:
+    for name in [VALUE, *lists_of(tree)]:
         lines += [
             "try:",
             f"    if isinstance({name}, (list, tuple)): {FOUND}_list.append(({name!r}, {name}))",
             "except NameError: pass",
         ]
     return "\n".join([*lines, f"{FOUND}({FOUND}_list, list({MARKS}.items()))", ""])
+
+
+def lists_of(tree: ast.Module) -> list[str]:
+    """The variables that may hold a list, the one that was set or grown last first."""
+    names: list[str] = []
+    for node in tree.body:
+        for name in _assigned(node):
+            names = [name, *(n for n in names if n != name)]
+    return names
 
 
 def _assigned(node: ast.stmt) -> Iterator[str]:

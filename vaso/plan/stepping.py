@@ -81,6 +81,7 @@ class Stepper:
         actions: frozenset[str],
         clock: bool,
         histories: Histories,
+        trajectory: str = "",
     ) -> None:
         self.machine = machine
         self.labelling = labelling
@@ -91,6 +92,7 @@ class Stepper:
         self.clock = clock
         self._time = Clock(platform.dt)
         self.histories = histories
+        self.trajectory = trajectory
         self.warnings: dict[str, None] = {}
         self.cut_reasons: list[tuple[str, int | None, bool]] = []
 
@@ -276,7 +278,11 @@ class Stepper:
     ) -> Config | tuple[Continuation, Continuation]:
         """Start the trajectory that the plan has built, unless it has sent commands itself."""
         lists, marks = event.args
-        track = None if here.moved else choose_track(lists, marks, self.platform, self.name)
+        track = (
+            None
+            if here.moved
+            else choose_track(lists, marks, self.platform, self.name, self.trajectory)
+        )
         if track is None:
             return self.machine.advance(at, None), lab
         number = self.histories.add_track(track)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-from vaso.errors import PlanError
+from vaso.errors import PlanError, UnsupportedPlanError
 from vaso.plan.rewrite import VALUE
 from vaso.platforms import Issued, Platform
 from vaso.platforms.model import Value
@@ -71,26 +71,44 @@ class Histories:
 
 
 def choose_track(
-    lists: Sequence[tuple[str, Any]], marks: Sequence[Any], platform: Platform, name: str
+    lists: Sequence[tuple[str, Any]],
+    marks: Sequence[Any],
+    platform: Platform,
+    name: str,
+    preferred: str = "",
 ) -> Track | None:
     """The trajectory that a plan has built: the likeliest list whose elements are vectors.
 
+    The variable with the name that the skill's template uses comes first, then what the plan
+    returns or ends with, then variables with a name that the platform knows, then the list that was
+    set or grown last.
+
     Args:
-        lists: Candidates as (variable, list), likeliest first.
+        lists: Candidates as (variable, list), likeliest first; what the plan returns is the first.
         marks: Which line made a list as long as it is: ((variable, length), line).
         platform: Says which command an element stands for.
         name: How messages call the plan.
+        preferred: What the skill's template calls its trajectory.
 
     Raises:
         PlanError: The list has an element that is not a valid set-point.
+        UnsupportedPlanError: The plan returns another list than the one with the preferred name.
     """
     command = platform.command(platform.trajectory or "")
     if command is None:
         return None
-    chosen = next(((v, items) for v, items in lists if _vectors(items)), None)
-    if chosen is None:
+    found = {variable: items for variable, items in lists if _vectors(items)}
+    if not found:
         return None
-    variable, items = chosen
+    known = [v for v in found if v in platform.history_names]
+    variable = next(v for v in (preferred, VALUE, *known, *found) if v in found)
+    items = found[variable]
+    if VALUE in found and [*map(tuple, found[VALUE])] != [*map(tuple, items)]:
+        raise UnsupportedPlanError(
+            f"the plan leaves one trajectory in '{variable}' and returns another one",
+            source=name,
+            hint=f"return '{variable}', or nothing",
+        )
     lines = _Lines(variable, marks)
     track = []
     for index, item in enumerate(items):

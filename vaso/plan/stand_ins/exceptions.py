@@ -23,11 +23,13 @@ def exception_edits(tree: ast.AST) -> Iterator[Edit]:
     """``class Abort(Exception): pass`` becomes another name of an exception that the sandbox knows.
 
     Also several of them, or one with some that derive from it. Not for a plan that speaks of the
-    exceptions that stand in, or that makes its own with more than a message.
+    exceptions that stand in, makes its own with more than a message, or asks what kind one is.
     """
     own = _own(tree)
     names = {n.id for n in nodes(tree) if isinstance(n, ast.Name)}
     if not own or names & _TAKEN or any(_with_arguments(tree, n.name) for n in own):
+        return
+    if any(map(_asks_for_kind, nodes(tree))):
         return
     for node, stand_in in zip(own, _stand_ins(own), strict=False):
         yield replace_statement(node, f"{node.name} = {stand_in}")
@@ -50,6 +52,14 @@ def _stand_ins(own: Sequence[ast.ClassDef]) -> list[str]:
         return [_BASE] if len(own) == 1 else list(_KINDS)
     alone = sum(_base(n) == "Exception" for n in own) == 1
     return [_BASE, *_KINDS] if alone else []
+
+
+def _asks_for_kind(node: ast.AST) -> bool:
+    """True where a plan may see what an exception is called, or what kind it is exactly."""
+    called = node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+    asked = node.attr if isinstance(node, ast.Attribute) else ""
+    shown = isinstance(node, ast.FormattedValue) and node.conversion == ord("r")
+    return called in ("type", "repr") or asked in ("__class__", "__name__", "args") or shown
 
 
 def _is_plain(node: ast.ClassDef) -> bool:
