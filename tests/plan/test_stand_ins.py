@@ -151,6 +151,29 @@ try:
 except KeyError:
     turn_right()
 """,
+    "types that only annotations name": """
+from __future__ import annotations
+from collections.abc import Callable, Iterator
+from typing import Deque, NamedTuple, Optional, TypedDict as Record, cast
+from typing import Final as F
+from functools import reduce, wraps
+class Leg(NamedTuple):
+    steps: int
+Step = Callable[[], None]
+steps: Deque[int] = [1]
+limit: F = 2
+def twice(function: Step) -> Step:
+    @wraps(function)
+    def wrapper(*args: Optional[int]) -> None:
+        function(*args)
+        function(*args)
+    return wrapper
+@twice
+def go(count: int = 1) -> Iterator[int]:
+    for _ in range(count): forward()
+go(limit)
+if reduce(lambda a, b: a + b, [1, 2]) == 3 and Leg(1).steps == 1: stop()
+""",
     "leaving": """
 def main(n):
     forward()
@@ -216,6 +239,11 @@ REFUSED = {
     "an exception by its text": (
         "class A(Exception): pass\ntry:\n    raise A('x')\nexcept Exception as e:\n"
         "    forward() if f'{e!r}'[0] == 'A' else stop()\n"
+    ),
+    "a type that is used": ("from typing import cast\nx = cast(int, 1)\nif x == 1: forward()\n"),
+    "a wrapper that is asked for its name": (
+        "from functools import wraps\ndef d(f):\n    @wraps(f)\n    def w(): f()\n    return w\n"
+        "@d\ndef go(): forward()\nif go.__name__ == 'go': go()\n"
     ),
     "a named tuple with a method": (
         "from typing import NamedTuple\nclass P(NamedTuple):\n    x: int\n"

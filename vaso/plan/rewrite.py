@@ -43,7 +43,7 @@ def alias_edits(tree: ast.AST) -> Iterator[Edit]:
     for node in nodes(tree):
         if not isinstance(node, (ast.Assign, ast.AnnAssign)) or id(node) in fields:
             continue
-        if node.value is None or _is_type(node.value):
+        if node.value is None or is_type(node.value):
             yield replace_statement(node, "pass")
         elif isinstance(node, ast.AnnAssign):
             target, note = node.target, node.annotation
@@ -51,7 +51,8 @@ def alias_edits(tree: ast.AST) -> Iterator[Edit]:
             yield *start, note.end_lineno or 0, note.end_col_offset or 0, ""
 
 
-def _is_type(node: ast.AST) -> bool:
+def is_type(node: ast.AST) -> bool:
+    """True for an expression that can only be a type, such as ``Tuple[float, float]``."""
     if isinstance(node, ast.Subscript):
         base = node.value.attr if isinstance(node.value, ast.Attribute) else None
         base = node.value.id if isinstance(node.value, ast.Name) else base
@@ -59,7 +60,7 @@ def _is_type(node: ast.AST) -> bool:
     return (
         isinstance(node, ast.BinOp)
         and isinstance(node.op, ast.BitOr)
-        and (_is_type(node.left) or _is_type(node.right))
+        and (is_type(node.left) or is_type(node.right))
     )
 
 
@@ -115,7 +116,7 @@ def mark_edits(tree: ast.AST) -> Iterator[Edit]:
 def grown(node: ast.AST) -> str | None:
     """The variable that a statement may give a longer list; None if it does no such thing."""
     value = getattr(node, "value", None)
-    if value is not None and _is_type(value):
+    if value is not None and is_type(value):
         return None
     if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name):
         return node.target.id

@@ -230,7 +230,7 @@ class Response(_Model):
         """The class of vehicles in words, to follow "every vehicle that"."""
         lags = [(c.name, _span(*c.lags, "s")) for c in self.channels if c.lags[1]]
         limits = [
-            (c.name, f"at least {c.accelerations[0]:g}")
+            (c.name, _limit(*c.accelerations))
             for c in self.channels
             if math.isfinite(c.accelerations[0])
         ]
@@ -244,6 +244,12 @@ class Response(_Model):
 
 def _span(least: float, most: float, unit: str) -> str:
     return f"{least:g} to {most:g} {unit}" if least else f"at most {most:g} {unit}"
+
+
+def _limit(least: float, most: float) -> str:
+    if math.isinf(most):
+        return f"at least {least:g}"
+    return f"{least:g}" if least == most else f"{least:g} to {most:g}"
 
 
 def _list(values: Sequence[tuple[str, str]], channels: int) -> str:

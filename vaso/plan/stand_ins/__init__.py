@@ -9,6 +9,7 @@ from vaso.plan.rewrite import Edit
 from vaso.plan.stand_ins.deletions import deletion_edits
 from vaso.plan.stand_ins.enums import enum_edits, enum_prelude
 from vaso.plan.stand_ins.exceptions import exception_edits
+from vaso.plan.stand_ins.imports import import_prelude, name_edits
 from vaso.plan.stand_ins.methods import method_edits
 from vaso.plan.stand_ins.modules import module_edits, module_prelude, replaced_modules
 from vaso.plan.stand_ins.properties import property_edits
@@ -31,6 +32,7 @@ def stand_in_edits(source: str, tree: ast.Module, name: str) -> Iterator[Edit]:
     yield from enum_edits(tree, name)
     yield from exception_edits(tree)
     yield from module_edits(tree)
+    yield from name_edits(tree)
     yield from tuple_edits(tree)
     yield from property_edits(source, tree)
     yield from method_edits(source, tree)
@@ -39,4 +41,4 @@ def stand_in_edits(source: str, tree: ast.Module, name: str) -> Iterator[Edit]:
 
 def stand_in_prelude(tree: ast.Module) -> str:
     """What must run before the plan."""
-    return enum_prelude(tree) + module_prelude(tree) + tuple_prelude(tree)
+    return enum_prelude(tree) + module_prelude(tree) + tuple_prelude(tree) + import_prelude(tree)

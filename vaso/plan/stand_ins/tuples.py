@@ -9,29 +9,20 @@ from vaso.plan.nodes import nodes
 from vaso.plan.rewrite import Edit, replace_statement
 
 _NAMED_TUPLE = "__vaso_namedtuple__"
-_TYPING = ("typing", "typing_extensions")
 
 
 def tuple_prelude(tree: ast.Module) -> str:
     """What must run before a plan that has named tuples."""
-    return f"from collections import namedtuple as {_NAMED_TUPLE}\n" if _tuples(tree) else ""
+    return f"from collections import namedtuple as {_NAMED_TUPLE}\n" if named_tuples(tree) else ""
 
 
 def tuple_edits(tree: ast.Module) -> Iterator[Edit]:
     """``class Leg(NamedTuple)`` becomes a call of ``namedtuple``."""
-    found = _tuples(tree)
-    for node in found:
+    for node in named_tuples(tree):
         yield replace_statement(node, _named_tuple(node))
-    for statement in nodes(tree) if found else ():
-        if isinstance(statement, ast.ImportFrom) and statement.module in _TYPING:
-            others = [a for a in statement.names if a.name != "NamedTuple"]
-            if len(others) < len(statement.names):
-                names = ", ".join(map(ast.unparse, others))
-                text = f"from {statement.module} import {names}" if others else "pass"
-                yield replace_statement(statement, text)
 
 
-def _tuples(tree: ast.Module) -> list[ast.ClassDef]:
+def named_tuples(tree: ast.Module) -> list[ast.ClassDef]:
     """The classes that derive from ``NamedTuple`` and only declare fields."""
     found = [n for n in nodes(tree) if isinstance(n, ast.ClassDef) and _is_named_tuple(n)]
     return found if all(map(_only_declares, found)) else []
