@@ -121,3 +121,21 @@ def test_an_interrupt_ends_it_at_once(folder):
     assert time.monotonic() - start < 20
     assert program.returncode == 130
     assert out == "" and "Traceback" not in err
+
+
+def test_a_pass_over_wrong_labels_is_marked(tmp_path, folder, vaso):
+    from vaso import load_skill
+    from vaso.skill_file import save_skill
+
+    skill = load_skill("drive")
+    wrong = skill.labelling_code.replace('"people"', '"person"').replace("'people'", "'person'")
+    assert wrong != skill.labelling_code
+    file = tmp_path / "SKILL.md"
+    save_skill(skill.model_copy(update={"labelling_code": wrong}), file)
+    (folder / "a_faulty.py").unlink()
+    (folder / "c_broken.py").unlink()
+    found = vaso("verify", file, "--plans", folder, "--no-memo")
+    assert found.code == 3
+    told = " ".join(found.out.split())
+    assert "this PASS is not about the robot" in told
+    assert "1 of them with labels that are wrong" in told

@@ -122,3 +122,12 @@ def test_falling_to_the_ground_is_seen_before_the_sample():
     down = Period(model, whole(model), up.end(1.0), split((0.0, 0.0, 3.0)))
     assert down.values(1.0, 1.0)["linear_velocity"] == (0.0, 0.0)
     assert down.values(0.2, 0.2)["linear_velocity"] == pytest.approx((3.0, 3.0))
+
+
+def test_rounding_does_not_lead_below_the_floor():
+    # Otherwise a box that was widened to everything would not cover the next one, for ever.
+    model = response((0.0, 0.4))
+    box = at_rest(model, REST)
+    for down in (-0.25, 0.25, 0.25, 0.25):
+        box = Period(model, whole(model), box, split((0.0, 0.0, down))).end(0.5)
+        assert box.aims[0][0] >= 0.0 and box.highest[0][0] >= 0.0 and box.positions[0][0] >= 0.0
