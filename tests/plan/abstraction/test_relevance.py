@@ -26,6 +26,15 @@ drive()
 """
 
 
+KIND = (math.inf, -math.inf)
+"""Only whether it is a number matters."""
+
+
+def values(source: str, call: str) -> dict[str, tuple[float, float]]:
+    """The forms whose values matter at the only call with a text, as texts."""
+    return {form: bounds for form, bounds in forms(source, call).items() if bounds != KIND}
+
+
 def forms(source: str, call: str) -> dict[str, tuple[float, float]]:
     """The forms at the only call with a text, as texts."""
     text = source.encode()
@@ -42,11 +51,11 @@ def forms(source: str, call: str) -> dict[str, tuple[float, float]]:
 
 
 def test_elapsed_time_matters_only_up_to_the_duration():
-    assert forms(PAUSED, "forward()") == {"+clock -duration -paused -start": (-math.inf, 0.0)}
+    assert values(PAUSED, "forward()") == {"+clock -duration -paused -start": (-math.inf, 0.0)}
 
 
 def test_the_clock_does_not_matter_while_its_growth_will_be_taken_back():
-    assert forms(PAUSED, "stop()") == {"+duration -pause_start +paused +start": (0.0, math.inf)}
+    assert values(PAUSED, "stop()") == {"+duration -pause_start +paused +start": (0.0, math.inf)}
 
 
 @pytest.mark.parametrize(
@@ -56,7 +65,8 @@ def test_the_clock_does_not_matter_while_its_growth_will_be_taken_back():
         ("n = 0\nwhile n < 5:\n    n += 1\n    go()\n", {"+n": (-math.inf, 5.0)}),
         ("n = 9\nwhile n:\n    n -= 1\n    go()\n", {"+n": (0.0, math.inf)}),
         ("n = f()\nwhile True:\n    go()\n    h(n)\n", {"+n": (-math.inf, math.inf)}),
-        ("n = f()\nwhile True:\n    go()\n    print('at', n)\n", {"+n": (math.inf, -math.inf)}),
+        ("n = f()\nwhile True:\n    go()\n    print('at', n)\n", {}),
+        ("h = f()\nwhile True:\n    go()\n    h = (h + 7) % 360\n", {}),
         ("n = f()\ngo()\nif n == 3 or n > 7:\n    h()\n", {"+n": (3.0, 7.0)}),
         ("n = f()\ngo()\nif 2 * n - 1 > 4:\n    h()\n", {"+n": (2.5, 2.5)}),
         ("n = f()\ngo()\nif 3 > -n / 2:\n    h()\n", {"+n": (-6.0, -6.0)}),
@@ -78,8 +88,41 @@ def test_the_clock_does_not_matter_while_its_growth_will_be_taken_back():
     ],
 )
 def test_small_programs(source, expected):
-    found = forms(source, "go()")
+    found = values(source, "go()")
     assert {form: bounds for form, bounds in found.items() if form not in ("+A", "+x")} == expected
+
+
+@pytest.mark.parametrize(
+    "use", ["m = n + 1", "print(n)", "m = n", "m = n % 3", "m = -n", "m = [n]", "if n: pass"]
+)
+def test_whether_a_variable_is_a_number_matters_wherever_it_is_read(use):
+    assert "+n" in forms(f"n = f()\nwhile True:\n    go()\n    {use}\n", "go()")
+
+
+FAILS = """
+last = 1.0
+while True:
+    {use}
+    forward()
+    if people_observed():
+        last = None
+    stop()
+"""
+COMPUTES = ["ago = time.time() - last", "ago = last + 1", "ago = last % 7", "ago = -last"]
+
+
+@pytest.mark.parametrize("use", COMPUTES)
+def test_a_computation_that_fails_is_seen_though_nobody_looks_at_its_result(use):
+    cut = compile_plan(FAILS.format(use=use), DRIVE, budget=Budget(states=300)).cut
+    assert cut is not None and "TypeError" in cut.reason
+
+
+@pytest.mark.parametrize("use", COMPUTES)
+def test_also_where_the_plan_goes_on_after_it(use):
+    handled = f"try:\n        {use}\n    except TypeError:\n        turn_left()"
+    system = compile_plan(FAILS.format(use=handled), DRIVE, budget=Budget(states=300))
+    assert system.cut is None
+    assert any(state.api == "turn_left()" for state in system.states)
 
 
 @pytest.mark.parametrize(
@@ -201,6 +244,17 @@ class Drive:
             else:
                 forward()
 Drive(1.0).run()
+""",
+    "a heading that nobody looks at": """
+heading, lap = 0, 0
+while True:
+    if people_observed():
+        stop()
+    else:
+        forward()
+    heading = (heading + 7) % 360
+    lap += 1
+    print(f"{heading} in lap {lap // 4}")
 """,
     "a pause that may be None": """
 class Timer:

@@ -32,7 +32,7 @@ class Expressions(Calls):
         if isinstance(node, ast.Name):
             return self._load(node.id, into, after, scope)
         if (var := self.fields.variable(node, scope)) is not None:
-            return self.graph.add(Set(into, Affine.of(var)), after)
+            return self._read(var, into, after)
         if isinstance(node, ast.BinOp):
             left, right = self.temporary(scope), self.temporary(scope)
             after = self.computed(node, (left, right), into, after)
@@ -119,8 +119,15 @@ class Expressions(Calls):
 
     def _load(self, name: str, into: Var, after: int, scope: Scope) -> int:
         var = self.scopes.owner(name, scope)
-        known = var is not None and var not in self.scopes.untracked
-        return self.graph.add(Set(into, Affine.of(var) if var and known else None), after)
+        if var is None or var in self.scopes.untracked:
+            return self.graph.add(Set(into), after)
+        return self._read(var, into, after)
+
+    def _read(self, var: Var, into: Var, after: int) -> int:
+        """A variable that has no value, or none that one can compute with, fails here or later."""
+        return self.graph.add(
+            Use(Affine.of(var), "kind"), self.graph.add(Set(into, Affine.of(var)), after)
+        )
 
     def computed(
         self, node: ast.BinOp | ast.AugAssign, sides: tuple[Var, Var], into: Var, after: int
@@ -138,6 +145,10 @@ class Expressions(Calls):
             value = Affine({}).plus(one, 1 / divisor)
         if value is not None:
             return self.graph.add(Set(into, value), after)
+        if isinstance(node.op, (ast.Mod, ast.FloorDiv)) and _is_divisor(_right(node)):
+            # No number fails here, so nobody need know it who does not look at the result.
+            done = self.graph.add(Set(into, parts=(sides[0],)), after)
+            return self.graph.add(Use(one, "kind"), done)
         done = self.graph.add(Set(into), after)
         return self.graph.add(Use(one), self.graph.add(Use(two), done))
 
@@ -274,6 +285,12 @@ def _right(node: ast.BinOp | ast.AugAssign) -> ast.expr:
 def _is_singleton(node: ast.expr) -> bool:
     """None, True or False, which no number is."""
     return isinstance(node, ast.Constant) and (node.value is None or isinstance(node.value, bool))
+
+
+def _is_divisor(node: ast.expr) -> bool:
+    """True for a literal whole number by which every number can be divided."""
+    value = node.value if isinstance(node, ast.Constant) else None
+    return type(value) is int and 0 < value < 2**53
 
 
 def _number(node: ast.expr | None) -> Fraction | None:

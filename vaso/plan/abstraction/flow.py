@@ -19,12 +19,14 @@ class Set:
         no_number: True for a literal that is no number, such as None.
         nothing: True for None: computing with it fails, and so does comparing, but for equality,
             which no number has with it.
+        parts: The variables that the value is computed from, where ``Use`` does not list them.
     """
 
     var: Var
     value: Affine | None = None
     no_number: bool = False
     nothing: bool = False
+    parts: tuple[Var, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

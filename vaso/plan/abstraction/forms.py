@@ -108,12 +108,16 @@ class Atoms:
 
     def add(self, form: Form, interval: Interval) -> list[Form]:
         """Add a form; the forms that this changes."""
+        known = self.bounds.get(form)
+        if interval == UNSEEN:
+            if known is None:
+                self.bounds[form] = UNSEEN
+            return [form] if known is None else []
         if self.spanned:
             return self._extend(form)
-        known = self.bounds.get(form)
-        if known is None:
+        if known is None or known == UNSEEN:
             self.bounds[form] = interval
-            return [form] if len(self.bounds) <= MAX_FORMS else self._span()
+            return [form] if len(self._compared()) <= MAX_FORMS else self._span()
         low, high = min(known[0], interval[0]), max(known[1], interval[1])
         if (low, high) == known:
             return []
@@ -124,16 +128,21 @@ class Atoms:
         self.bounds[form] = (low, high)
         return [form]
 
+    def _compared(self) -> list[Form]:
+        """The forms whose values are looked at."""
+        return [form for form, interval in self.bounds.items() if interval != UNSEEN]
+
     def _span(self) -> list[Form]:
-        forms = list(self.bounds)
-        self.bounds, self.spanned = {}, True
+        forms = self._compared()
+        self.bounds = {form: i for form, i in self.bounds.items() if i == UNSEEN}
+        self.spanned = True
         for form in forms:
             self._extend(form)
-        return list(self.bounds)
+        return self._compared()
 
     def _extend(self, form: Form) -> list[Form]:
         rest = dict(form)
-        for known in self.bounds:
+        for known in self._compared():
             factor = rest.get(known[0][0], Fraction(0))
             if factor:
                 rest = dict(Affine(rest).plus(Affine(dict(known)), -factor).terms)

@@ -213,6 +213,9 @@ class _Solver:
                 value = Affine(dict(form))
                 for wanted in _assigned(step, value, interval):
                     self._add(number, *wanted)
+                for part in step.parts:
+                    seen = UNSEEN if interval == UNSEEN else EXACT
+                    self._add(number, Affine.of(part), seen)
                 for var in _cancelled(step, value) - self._exact:
                     self._add(number, Affine.of(var), EXACT)
                 return
