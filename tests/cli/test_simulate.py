@@ -111,12 +111,20 @@ def test_a_scene_for_another_robot(vaso):
     assert "this scene is for px4, and the skill drive is for jackal" in found.err
 
 
-def test_a_picture_that_cannot_be_drawn_loses_no_result(vaso, tmp_path):
+def test_a_picture_that_cannot_be_drawn_is_refused_before_anything_runs(vaso, tmp_path):
     picture = tmp_path / "run.doc"
     found = vaso("simulate", "drive", "--task", 4, "--seeds", 1, "--picture", picture)
     assert found.code == 2
+    assert not found.out and "run.doc" in found.err
+
+
+def test_a_picture_that_cannot_be_written_loses_no_result(vaso, tmp_path):
+    (tmp_path / "taken").write_text("a file, not a folder")
+    picture = tmp_path / "taken" / "run.png"
+    found = vaso("simulate", "drive", "--task", 4, "--seeds", 1, "--picture", picture)
+    assert found.code == 2
     assert "1 of 1 runs completed" in found.out
-    assert "run.doc" in found.err
+    assert "run.png" in found.err and "Traceback" not in found.err
 
 
 def test_a_plan_that_is_no_program_of_the_skill(vaso, tmp_path):
