@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import Any
 
 from vaso.plan.abstraction.calls import Place, Span
-from vaso.plan.abstraction.forms import CLOCK, GLOBAL, WALL, Form, Var
+from vaso.plan.abstraction.forms import CLOCK, GLOBAL, UNSEEN, WALL, Form, Interval, Var
 from vaso.plan.abstraction.layout import Cell, Layout, Snapshot
 from vaso.plan.abstraction.relevance import Relevance
 from vaso.plan.abstraction.scopes import NotAnalysableError
@@ -46,6 +46,19 @@ def _wall(now: float) -> Fraction:
     return Fraction(now) + WALL
 
 
+@dataclass(frozen=True, slots=True)
+class _Watching:
+    """What the future looks at from a call.
+
+    Attributes:
+        forms: The forms whose values it looks at.
+        kinds: The variables of which it only asks whether they are numbers, by those that own them.
+    """
+
+    forms: list[Watched]
+    kinds: list[tuple[frozenset[int], set[Var]]]
+
+
 class Quotient:
     """Views of the snapshots of one plan.
 
@@ -58,7 +71,7 @@ class Quotient:
         self.relevance = relevance
         self._file = file
         self._layout: Layout | None = None
-        self._watched: dict[tuple[Place, Span], list[Watched]] = {}
+        self._watched: dict[tuple[Place, Span], _Watching] = {}
 
     def check_clock(self, file: str, call: tuple[int, int]) -> None:
         """Check that a call that asks for the time is known to do so.
@@ -88,7 +101,10 @@ class Quotient:
         running |= {single.number for single in self.relevance.fields.classes}
         found: list[Value] = []
         alive: set[Var] = set()
-        for form in watched:
+        for owners, variables in watched.kinds:
+            if owners <= running:
+                alive |= variables
+        for form in watched.forms:
             if form.owners <= running:
                 alive |= form.variables
                 found.extend(form.values(cells))
@@ -96,16 +112,28 @@ class Quotient:
         numbers = [None if _is_reference(cell) else cell for cell in cells.values()]
         return View(base, tuple(found), base + repr(numbers).encode())
 
-    def _at(self, place: Place, call: Span) -> list[Watched]:
-        """The forms that the future looks at from a call."""
+    def _at(self, place: Place, call: Span) -> _Watching:
+        """What the future looks at from a call."""
         known = self._watched.get((place, call))
         if known is None:
             wanted = self.relevance.at.get((place, call))
             if wanted is None or call in self.relevance.clocks:
                 raise NotAnalysableError("a call that the analysis does not know")
-            known = [Watched(form, i, rounds=self._rounds(form)) for form, i in wanted.items()]
-            self._watched[place, call] = known
+            known = self._watched[place, call] = self._watching(wanted)
         return known
+
+    def _watching(self, wanted: Mapping[Form, Interval]) -> _Watching:
+        kinds: dict[frozenset[int], set[Var]] = {}
+        for form, interval in wanted.items():
+            if interval == UNSEEN:
+                variables = {var for var, _ in form}
+                kinds.setdefault(frozenset(v[0] for v in variables), set()).update(variables)
+        forms = [
+            Watched(form, interval, rounds=self._rounds(form))
+            for form, interval in wanted.items()
+            if interval != UNSEEN
+        ]
+        return _Watching(forms, list(kinds.items()))
 
     def _rounds(self, form: Form) -> bool:
         """True if equal values of a form may behave otherwise when they come from other numbers.

@@ -9,7 +9,7 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 from vaso.plan.abstraction.fields import FIRST
-from vaso.plan.abstraction.forms import CLOCK, EXACT, UNSEEN, Bound, Form, Interval, Var
+from vaso.plan.abstraction.forms import CLOCK, EXACT, Bound, Form, Interval, Var
 
 Number: TypeAlias = int | float | Fraction
 
@@ -65,7 +65,6 @@ class Watched:
         self.owners = frozenset(var[0] for var in self.variables)
         self._terms = [(var, _plain(factor)) for var, factor in form if var != CLOCK]
         self._rate = next((_plain(factor) for var, factor in form if var == CLOCK), 0)
-        self._unseen = interval == UNSEEN
         self._bounds = _widened(interval)
         self._rounds = rounds
         self._single = len(form) == 1
@@ -76,8 +75,6 @@ class Watched:
         Args:
             cells: What the plan's variables hold, as the sandbox writes it.
         """
-        if self._unseen:
-            return
         value: Number = 0
         numbers: list[Number] = []
         low, high = self._bounds
