@@ -229,6 +229,10 @@ class _Solver:
         self._join(number, form, interval)
 
     def _add(self, number: int, value: Affine, interval: Interval) -> None:
+        if interval == UNSEEN:  # a sum is a number where all its terms are
+            for var in value.terms.keys() - {CLOCK}:
+                self._join(number, ((var, Fraction(1)),), UNSEEN)
+            return
         found = normal(value, interval)
         if found is not None:
             self._join(number, *found)
