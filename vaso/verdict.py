@@ -257,6 +257,11 @@ class VerificationResult:
         return self.labels.line if self.labels is not None else "labels not validated"
 
     @property
+    def is_mislabelled(self) -> bool:
+        """True for a PASS over labels that are wrong about the robot: it is about another one."""
+        return bool(self) and self.labels is not None and self.labels.agree is False
+
+    @property
     def safety(self) -> float:
         """The paper's Safety(plan): fraction of formulas that pass (section 5)."""
         return sum(bool(s.verdict) for s in self.specs) / len(self.specs) if self.specs else 0.0

@@ -58,7 +58,7 @@ def certify(
     text = prepare(split(read_file(path)).text)
     read = _read(text, path, platform)
     result = _verified(read, timeout, on_progress)
-    if not result or (result.labels is not None and result.labels.agree is False):
+    if not result or result.is_mislabelled:
         return Certification(None, {}, result)
     entries = certificate(read, text, result)
     target = Path(out) if out is not None else path

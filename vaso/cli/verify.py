@@ -173,6 +173,6 @@ def exit_code(result: VerificationResult) -> ExitCode:
     """
     if result.problem is not None and result.problem.kind == "input":
         return ExitCode.BAD_INPUT
-    if result and result.labels is not None and result.labels.agree is False:
+    if result.is_mislabelled:
         return ExitCode.UNKNOWN
     return code_of(result.verdict)

@@ -114,8 +114,8 @@ def _trouble(result: VerificationResult, path: Path) -> str:
         told = result.problem.message.splitlines()[0]
         return f"line {told[len(str(path)) + 1 :]}" if told.startswith(f"{path}:") else told
     if result and result.labels is not None and result.labels.agree is not True:
-        wrong = result.labels.agree is False
-        return f"{'this PASS is not about the robot: ' if wrong else ''}{result.label_line}"
+        said = "this PASS is not about the robot: " if result.is_mislabelled else ""
+        return f"{said}{result.label_line}"
     return next((s.reason for s in result.specs if not s.verdict), "")
 
 
@@ -132,7 +132,7 @@ def _summary(results: Sequence[VerificationResult], seconds: float) -> Text:
     remembered = counts.pop("from_memo")
     told = _tally({name.replace("_", " "): number for name, number in counts.items()})
     text = Text(f"{len(results)} plan{'' if len(results) == 1 else 's'}: {told}")
-    wrong = sum(bool(r) and r.labels is not None and r.labels.agree is False for r in results)
+    wrong = sum(r.is_mislabelled for r in results)
     if wrong:
         text.append(f", {wrong} of them with labels that are wrong about the robot", "bold red")
     text.append(f"   {seconds:.1f} s", style="dim")

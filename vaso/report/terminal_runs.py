@@ -17,7 +17,6 @@ from vaso.report.terminal_synthesis import defeat_views
 if TYPE_CHECKING:
     from vaso.feasibility.result import FeasibilityResult
     from vaso.gradient.model import TextualGradient
-    from vaso.optimizers.base import LossValue
     from vaso.optimizers.result import OptimizationResult, StepRecord
 
 YES_NO = {
@@ -92,20 +91,13 @@ def _remarks(result: FeasibilityResult) -> Iterator[str]:
 def optimization_view(result: OptimizationResult) -> Group:
     """An optimization: where it ended, its steps, and what changed in the skill."""
     parts: list[RenderableType] = [optimization_head(result), steps_table(result)]
-    wrong = next((v.result for v in result.values.values() if _mislabelled(v)), None)
+    found = (value.result for value in result.values.values())
+    wrong = next((r for r in found if r is not None and r.is_mislabelled), None)
     if wrong is not None:
         parts += label_lines(wrong)
     if result.diff:
         parts += [Text("What changed in the skill:", style="bold"), colour_diff(result.diff)]
     return Group(*parts)
-
-
-def _mislabelled(value: LossValue) -> bool:
-    """True where all rules pass, over labels that are wrong about the robot."""
-    found = value.result
-    if found is None or not found or found.labels is None:
-        return False
-    return found.labels.agree is False
 
 
 def optimization_head(result: OptimizationResult) -> Text:
