@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import chain, islice
 from weakref import WeakKeyDictionary
 
-__all__ = ["nodes"]
+__all__ = ["annotations_in", "nodes"]
 
 _below: WeakKeyDictionary[ast.Module, tuple[ast.AST, ...]] = WeakKeyDictionary()
 """The nodes below a program's, without itself, so that it can be let go."""
@@ -25,3 +25,11 @@ def nodes(tree: ast.AST) -> Iterator[ast.AST]:
     if below is None:
         below = _below[tree] = tuple(islice(ast.walk(tree), 1, None))
     return chain((tree,), below)
+
+
+def annotations_in(tree: ast.AST) -> Iterator[ast.expr]:
+    """The annotations below a node, which are looked at when it is defined, or never."""
+    for node in nodes(tree):
+        for field in ("annotation", "returns"):
+            if isinstance(note := getattr(node, field, None), ast.expr):
+                yield note

@@ -8,10 +8,10 @@ and what was verified would not be what runs. So such a plan is not supported.
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 
 from vaso.errors import UnsupportedPlanError
-from vaso.plan.nodes import nodes
+from vaso.plan.nodes import annotations_in, nodes
 from vaso.plan.toplevel import bindings
 
 
@@ -66,20 +66,12 @@ def _closure(called: set[str], functions: Mapping[str, ast.FunctionDef], own: se
 
 def _reads(function: ast.FunctionDef) -> set[str]:
     """Names of the module, or built in, that a function reads when it runs."""
-    notes = {id(part) for note in _annotations(function) for part in ast.walk(note)}
+    notes = {id(part) for note in annotations_in(function) for part in ast.walk(note)}
     names = [n for n in ast.walk(function) if isinstance(n, ast.Name) and id(n) not in notes]
     shared = {n for g in ast.walk(function) if isinstance(g, ast.Global) for n in g.names}
     local = {n.id for n in names if not isinstance(n.ctx, ast.Load)}
     local |= {a.arg for a in ast.walk(function) if isinstance(a, ast.arg)}
     return {n.id for n in names if isinstance(n.ctx, ast.Load)} - (local - shared)
-
-
-def _annotations(function: ast.FunctionDef) -> Iterator[ast.expr]:
-    """The annotations of a function, which are looked at when it is defined, or never."""
-    for node in ast.walk(function):
-        for field in ("annotation", "returns"):
-            if isinstance(note := getattr(node, field, None), ast.expr):
-                yield note
 
 
 def _same(function: ast.FunctionDef, other: ast.FunctionDef | None) -> bool:

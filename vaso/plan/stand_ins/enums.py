@@ -6,8 +6,9 @@ import ast
 from collections.abc import Iterator
 
 from vaso.errors import UnsupportedPlanError
-from vaso.plan.nodes import nodes
+from vaso.plan.nodes import annotations_in, nodes
 from vaso.plan.rewrite import Edit, replace_statement
+from vaso.plan.stand_ins.reading import bases_of, says_nothing
 
 MEMBER = "__vaso_member__"
 _MEMBER_CLASS = f"""
@@ -89,9 +90,7 @@ def _member_value(node: ast.expr, before: list[object]) -> tuple[object] | None:
 def _check_members_only(tree: ast.AST, enums: set[str], name: str) -> None:
     """``State.DRIVE`` and annotations; not ``State(1)``, ``for s in State``, ``isinstance``."""
     allowed = {id(n.value) for n in nodes(tree) if isinstance(n, ast.Attribute)}
-    for node in nodes(tree):
-        notes = [getattr(node, "annotation", None), getattr(node, "returns", None)]
-        allowed |= {id(part) for note in notes if note for part in ast.walk(note)}
+    allowed |= {id(part) for note in annotations_in(tree) for part in ast.walk(note)}
     for node in nodes(tree):
         if isinstance(node, ast.Name) and node.id in enums and id(node) not in allowed:
             raise UnsupportedPlanError(
@@ -104,13 +103,11 @@ def _check_members_only(tree: ast.AST, enums: set[str], name: str) -> None:
 
 def is_plain_enum(node: ast.ClassDef) -> bool:
     """True for ``class State(Enum)`` whose body only assigns members."""
-    bases = [b.attr if isinstance(b, ast.Attribute) else getattr(b, "id", "") for b in node.bases]
-    if bases != ["Enum"] or node.keywords or node.decorator_list:
+    if bases_of(node) != ["Enum"] or node.keywords or node.decorator_list:
         return False
     return all(
         (isinstance(n, ast.Assign) and len(n.targets) == 1 and isinstance(n.targets[0], ast.Name))
-        or isinstance(n, ast.Pass)
-        or (isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant))
+        or says_nothing(n)
         for n in node.body
     )
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from vaso.plan.nodes import nodes
 from vaso.plan.rewrite import Edit, replace_statement
+from vaso.plan.stand_ins.reading import says_nothing
 
 _BASE = "OSError"
 _KINDS = (
@@ -64,10 +65,7 @@ def _asks_for_kind(node: ast.AST) -> bool:
 
 def _is_plain(node: ast.ClassDef) -> bool:
     """True for a class without a body that may be an exception."""
-    empty = all(
-        isinstance(n, ast.Pass) or (isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant))
-        for n in node.body
-    )
+    empty = all(map(says_nothing, node.body))
     return bool(_base(node)) and empty and not node.keywords and not node.decorator_list
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from vaso.plan.nodes import nodes
+from vaso.plan.nodes import annotations_in, nodes
 from vaso.plan.rewrite import Edit, is_type, replace_statement
 from vaso.plan.stand_ins.tuples import named_tuples
 
@@ -46,14 +46,9 @@ def name_edits(tree: ast.Module) -> Iterator[Edit]:
 
 def _used(tree: ast.Module) -> set[str]:
     """Names that are read where the program runs: not in annotations, nor in names of types."""
-    notes: set[int] = set()
-    for node in nodes(tree):
-        found = [getattr(node, "annotation", None), getattr(node, "returns", None)]
-        if isinstance(node, ast.Assign | ast.AnnAssign) and node.value and is_type(node.value):
-            found.append(node.value)
-        notes |= {
-            id(part) for note in found if isinstance(note, ast.AST) for part in ast.walk(note)
-        }
+    given = (n.value for n in nodes(tree) if isinstance(n, ast.Assign | ast.AnnAssign))
+    types = [*annotations_in(tree), *(value for value in given if value and is_type(value))]
+    notes = {id(part) for note in types for part in ast.walk(note)}
     return {n.id for n in nodes(tree) if isinstance(n, ast.Name) and id(n) not in notes}
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from vaso.plan.nodes import nodes
 from vaso.plan.rewrite import Edit, replace_statement
+from vaso.plan.stand_ins.reading import bases_of, says_nothing
 
 _NAMED_TUPLE = "__vaso_namedtuple__"
 
@@ -29,15 +30,12 @@ def named_tuples(tree: ast.Module) -> list[ast.ClassDef]:
 
 
 def _is_named_tuple(node: ast.ClassDef) -> bool:
-    bases = [b.attr if isinstance(b, ast.Attribute) else getattr(b, "id", "") for b in node.bases]
-    return bases == ["NamedTuple"] and not node.keywords and not node.decorator_list
+    return bases_of(node) == ["NamedTuple"] and not node.keywords and not node.decorator_list
 
 
 def _only_declares(node: ast.ClassDef) -> bool:
     return all(
-        (isinstance(n, ast.AnnAssign) and isinstance(n.target, ast.Name))
-        or isinstance(n, ast.Pass)
-        or (isinstance(n, ast.Expr) and isinstance(n.value, ast.Constant))
+        (isinstance(n, ast.AnnAssign) and isinstance(n.target, ast.Name)) or says_nothing(n)
         for n in node.body
     )
 
